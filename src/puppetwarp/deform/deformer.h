@@ -1,0 +1,67 @@
+#pragma once
+
+#include <puppetwarp/base/progress.h>
+#include <puppetwarp/mesh/triangle_mesh.h>
+#include <puppetwarp/rig/rig.h>
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace puppetwarp {
+
+//! The deformation methods, by their names on the command line and in puppet files.
+enum class Method { harmonic, biharmonic, arap };
+
+//! Which edges share a rotation in the `arap` energy.
+enum class ArapEnergy {
+    elements,        //!< each triangle: Liu et al. 2008
+    spokes,          //!< edges at a vertex: Sorkine & Alexa 2007
+    spokes_and_rims  //!< all edges of the triangles at a vertex: Chao et al. 2010
+};
+
+struct MethodOptions {
+    Method method = Method::arap;
+    ArapEnergy arap_energy = ArapEnergy::elements;
+    double tolerance = 1e-8;    //!< iterative methods stop at this relative change of energy, above 0
+    int max_iterations = 1000;  //!< at least 1; stopping here is `converged = false`
+};
+
+//! Names of all methods, in the order of `Method`.
+std::vector<std::string> method_names();
+std::string method_name(Method method);
+//! \throw InvalidInput  unknown name (lists the known ones).
+Method method_from_name(std::string_view name);
+std::string arap_energy_name(ArapEnergy energy);
+ArapEnergy arap_energy_from_name(std::string_view name);
+
+//! What a method made of a pose.
+struct Deformation {
+    Eigen::MatrixX2d V;  //!< #V x 2 moved positions, image pixels
+    int iterations = 0;  //!< 0 for linear methods
+    bool converged = true;
+    double energy = 0;                   //!< the method's own energy at V, px^2
+    std::vector<double> energy_history;  //!< from the start to `energy`, never rising
+    double max_handle_error_px = 0;      //!< against what each handle constrains
+};
+
+//! A method made ready for one mesh and one set of handles; immutable, safe to share between threads.
+class Deformer {
+public:
+    virtual ~Deformer() = default;
+
+    //! \param pose      targets; handles that it does not name stay at rest.
+    //! \param start     #V x 2 positions to begin from, or null for the rest pose.
+    //! \param progress  hears of each iteration; may cancel.
+    //! \throw InvalidInput  the pose does not fit the rig, or asks for what the method cannot do.
+    //! \throw Cancelled
+    virtual Deformation deform(const Pose& pose, const Eigen::MatrixX2d* start, Progress& progress) const = 0;
+};
+
+//! Prepares a method: operators, binding of the handles, factorisations.
+//! \throw InvalidInput  a handle outside the mesh, two handles at one place, handles that the method cannot use,
+//!        no handles, options out of range.
+std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig);
+
+}  // namespace puppetwarp

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <puppetwarp/base/image.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace puppetwarp {
+
+struct WriteOptions {
+    int compression = 1;  //!< of lossless formats, 0 (fast) to 9 (small)
+    int quality = 95;     //!< of JPEG and lossy formats, 1 to 100
+};
+
+//! The file formats that can be written, by extension: png, jpg/jpeg, tif/tiff, webp, ppm/pgm/pnm/pfm, exr, ...
+//! `-` and paths that exist and are not regular files (`/dev/stdout`) are PNG.
+//! \throw InvalidInput  unknown extension (names the known ones).
+std::string output_format(const std::filesystem::path& path);
+
+//! What of this picture a file format cannot hold, each as a phrase for a person ("alpha", "16 bits a channel",
+//! "EXIF"); empty when everything is kept.
+std::vector<std::string> lost_in_format(const Image& image, const std::string& format);
+
+//! Writes a picture in the format of the path's extension with its depth, alpha and metadata, whole or not at all
+//! (`OutputFile`). What `lost_in_format` names is converted (alpha over white, 16 bits rounded to 8).
+//! \throw InvalidInput  unknown extension, missing or read-only folder.   \throw MachineFault  disk full.
+void write_image(const Image& image, const std::filesystem::path& path, const WriteOptions& options = {});
+
+}  // namespace puppetwarp

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <puppetwarp/mesh/triangle_mesh.h>
+
+namespace puppetwarp {
+
+//! How far a deformation is from keeping every triangle's shape.
+struct Distortion {
+    int flipped_triangles = 0;  //!< triangles whose orientation changed, or of no area
+    double max_stretch = 1;     //!< largest singular value of any triangle's map
+    double max_area_ratio = 1;  //!< largest of moved / rest area and its inverse; infinite for a collapsed triangle
+};
+
+//! \param moved  #V x 2 deformed positions.
+Distortion measure_distortion(const TriangleMesh& rest, const Eigen::MatrixX2d& moved);
+
+}  // namespace puppetwarp

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <puppetwarp/base/point.h>
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace puppetwarp {
+
+//! Moves the picture at a point: the weighted mean of a disc around `at` follows the target.
+struct PointHandle {
+    Point at;                         //!< image pixels
+    std::optional<double> radius_px;  //!< of the disc; none: a fixed share of the subject's size
+};
+
+//! A segment that moves rigidly, or stretches, with its parents.
+struct BoneHandle {
+    Point from;
+    Point to;
+    std::string parent;  //!< id of another bone, or empty
+};
+
+//! A closed polygon around or inside the subject whose corners are moved.
+struct CageHandle {
+    Polyline points;
+};
+
+//! A polygon whose inside is moved.
+struct RegionHandle {
+    Polyline points;
+};
+
+//! One vertex of a mesh that was given as a file.
+struct VertexHandle {
+    int index = 0;
+};
+
+struct Handle {
+    std::string id;  //!< unique, not empty
+    std::variant<PointHandle, BoneHandle, CageHandle, RegionHandle, VertexHandle> shape;
+};
+
+//! A polygon inside which first-order energies are multiplied by `value`.
+struct StiffnessRegion {
+    Polyline points;
+    double value = 1;  //!< above 0
+};
+
+//! What takes hold of a subject: all that a person placed on it, at rest.
+struct Rig {
+    std::vector<Handle> handles;
+    std::vector<StiffnessRegion> stiffness;
+};
+
+//! Where one handle goes. What is not set stays as it rests.
+struct HandlePose {
+    std::optional<Point> to;                      //!< target of a point or vertex, or of a bone's end
+    std::optional<Point> from;                    //!< target of a bone's start
+    std::optional<Polyline> points;               //!< targets of a cage's corners
+    std::optional<double> rotate_rad;             //!< clockwise on screen; a point without it has a free angle
+    std::optional<double> scale;                  //!< above 0
+    std::optional<double> depth;                  //!< larger is nearer to the viewer
+    std::optional<std::array<double, 6>> affine;  //!< x' = a x + c y + e, y' = b x + d y + f
+};
+
+//! Targets for some handles of a rig; a handle that is not named stays where it rests.
+struct Pose {
+    std::string name;
+    double time_s = 0;
+    std::map<std::string, HandlePose> handles;  //!< by handle id
+};
+
+//! \return the handle with this id, or null.
+const Handle* find_handle(const Rig& rig, const std::string& id);
+
+//! Checks what does not depend on a mesh.
+//! \throw InvalidInput  ids empty or used twice, a coordinate that is not finite, a radius, scale or stiffness that is
+//!        not above 0, a bone's parent that is missing or leads round in a loop. Names the handle.
+void require_sound(const Rig& rig);
+
+//! \throw InvalidInput  a handle that the rig does not have, a value that is not finite, a field that the handle's type
+//!        does not have.
+void require_sound(const Pose& pose, const Rig& rig);
+
+}  // namespace puppetwarp

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <puppetwarp/base/image.h>
+#include <puppetwarp/warp/warp.h>
+
+#include <array>
+#include <string_view>
+
+namespace puppetwarp {
+
+//! What stands behind a warped subject.
+struct Background {
+    enum class Kind { transparent, colour, keep } kind = Kind::transparent;
+    std::array<double, 4> rgba{1, 1, 1, 1};  //!< for `colour`: in [0, 1], straight alpha, in the picture's own space
+};
+
+//! `transparent`, `keep`, `#rrggbb` or `#rrggbbaa`. \throw InvalidInput  anything else.
+Background background_from_name(std::string_view name);
+
+//! Lays a warped picture over a background.
+//! \param original  the picture before the warp, for `keep`: shown where the canvas meets it.
+//! \param canvas    which part of image space `warped` shows.
+//! The result has alpha only where the background leaves a pixel translucent somewhere.
+Image lay_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas);
+
+}  // namespace puppetwarp

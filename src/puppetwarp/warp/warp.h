@@ -1,0 +1,49 @@
+#pragma once
+
+#include <puppetwarp/base/image.h>
+#include <puppetwarp/base/progress.h>
+#include <puppetwarp/mesh/triangle_mesh.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace puppetwarp {
+
+enum class Interpolation { nearest, bilinear, bicubic };
+
+std::vector<std::string> interpolation_names();
+//! \throw InvalidInput  unknown name (lists the known ones).
+Interpolation interpolation_from_name(std::string_view name);
+
+//! The part of image space that an output picture shows, in whole pixels.
+struct Canvas {
+    int x = 0;
+    int y = 0;
+    int width = 0;
+    int height = 0;
+};
+
+struct WarpOptions {
+    Interpolation interpolation = Interpolation::bicubic;
+    Canvas canvas;  //!< of no size: the source's own
+};
+
+//! Draws a picture through moved triangles.
+//!
+//! A pixel belongs to the triangle that holds its centre (one triangle, also on shared edges). Triangles are drawn in
+//! the order of their indices, later ones over earlier ones; flipped ones are not drawn. Sampling is
+//! premultiplied; where a triangle moves by whole pixels its pixels are copied. Pixels that no triangle covers are
+//! transparent: the output has alpha when the input has, or when some output pixel is uncovered.
+//! The same bytes for any number of threads.
+//! \param moved  #V x 2 positions of the vertices of `rest`.
+//! \throw InvalidInput  positions that are not finite; a canvas of more than 2^31 - 1 pixels.
+Image warp(const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const WarpOptions& options,
+           Progress& progress);
+Image warp(const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved,
+           const WarpOptions& options = {});
+
+//! The smallest canvas that holds the source's own and all moved positions. \throw InvalidInput  not finite.
+Canvas grown_canvas(int width, int height, const Eigen::MatrixX2d& moved);
+
+}  // namespace puppetwarp

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <puppetwarp/base/image.h>
+#include <puppetwarp/mesh/triangle_mesh.h>
+#include <puppetwarp/rig/rig.h>
+#include <puppetwarp/warp/warp.h>
+
+namespace puppetwarp {
+
+//! Draws the edges of a mesh over a picture, in the picture's depth and channels. Opaque where it draws.
+//! \param positions  #V x 2, image pixels.
+//! \param canvas     which part of image space `picture` shows.
+void draw_mesh(Image& picture, const Eigen::MatrixX2d& positions, const Eigen::MatrixX3i& F, const Canvas& canvas);
+
+//! Draws points, bones, regions and cages where the pose puts them.
+void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas& canvas);
+
+}  // namespace puppetwarp

@@ -1,0 +1,193 @@
+#include <puppetwarp/project/pipeline.h>
+
+#include <puppetwarp/base/errors.h>
+#include <puppetwarp/image/write.h>
+#include <puppetwarp/mesh/triangulate.h>
+#include <puppetwarp/rig/snap.h>
+#include <puppetwarp/warp/background.h>
+
+#include <chrono>
+#include <cmath>
+
+namespace puppetwarp {
+
+namespace {
+
+// Measures stages one after the other into a report.
+class StageTimer {
+public:
+    explicit StageTimer(RenderReport& report) : report_(report) {}
+
+    //! The time since the last call, or since construction, belongs to `stage`.
+    void end(const std::string& stage) {
+        const auto now = std::chrono::steady_clock::now();
+        report_.timings_ms.emplace_back(stage, std::chrono::duration<double, std::milli>(now - last_).count());
+        last_ = now;
+    }
+
+private:
+    RenderReport& report_;
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+CutoutSource source_from_name(const std::string& name) {
+    if (name == "auto") return CutoutSource::automatic;
+    if (name == "alpha") return CutoutSource::alpha;
+    if (name == "mask") return CutoutSource::mask;
+    if (name == "polygon") return CutoutSource::polygon;
+    if (name == "whole") return CutoutSource::whole;
+    throw InvalidInput("cutout '" + name + "'", "is unknown", "use auto, alpha, mask, polygon or whole");
+}
+
+TriangulationOptions triangulation_options(const Puppet& puppet, const Outline& outline) {
+    TriangulationOptions options;
+    options.max_edge_px = puppet.mesh.max_edge_px.value_or(default_max_edge_px(outline));
+    options.min_angle_deg = puppet.mesh.min_angle_deg.value_or(options.min_angle_deg);
+    return options;
+}
+
+// A hole that no triangle fits into would only cost small triangles around it.
+void fill_small_holes(Outline& outline, double max_edge_px) {
+    const double triangle_area = std::sqrt(3.0) / 4 * max_edge_px * max_edge_px;
+    for (OutlineComponent& component : outline.components) {
+        std::erase_if(component.holes, [&](const Polyline& hole) { return -signed_area(hole) < triangle_area; });
+    }
+}
+
+// Where bones and cage edges run, the mesh has edges: a bone bends the picture along itself.
+std::vector<Polyline> mesh_constraints(const Rig& rig) {
+    std::vector<Polyline> constraints;
+    for (const Handle& handle : rig.handles) {
+        if (const auto* bone = std::get_if<BoneHandle>(&handle.shape)) {
+            constraints.push_back({bone->from, bone->to});
+        } else if (const auto* cage = std::get_if<CageHandle>(&handle.shape)) {
+            constraints.push_back(cage->points);
+            constraints.back().push_back(cage->points.front());
+        }
+    }
+    return constraints;
+}
+
+Canvas choose_canvas(const CanvasChoice& choice, const Image& image, const Eigen::MatrixX2d& moved) {
+    switch (choice.kind) {
+        case CanvasChoice::Kind::keep: return {0, 0, image.width(), image.height()};
+        case CanvasChoice::Kind::grow: return grown_canvas(image.width(), image.height(), moved);
+        case CanvasChoice::Kind::given: break;
+    }
+    return choice.canvas;
+}
+
+void require_size(const Canvas& canvas, std::int64_t max_pixels) {
+    const std::int64_t pixels = std::int64_t{canvas.width} * canvas.height;
+    if (pixels > max_pixels) {
+        throw InvalidInput("canvas",
+                           "would have " + std::to_string(canvas.width) + " x " + std::to_string(canvas.height) +
+                               " pixels, more than " + std::to_string(max_pixels),
+                           "raise --max-pixels or choose a smaller --canvas");
+    }
+}
+
+// Positions of the puppet's mesh in a pose, and what the report says of them.
+struct Solved {
+    TriangleMesh mesh;
+    Eigen::MatrixX2d moved;
+};
+
+Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, const Cutout& cutout,
+             const RenderOptions& options, RenderReport& report, Progress& progress) {
+    StageTimer timer(report);
+    const Outline outline = outline_subject(puppet, width, height, cutout);
+    timer.end("cutout");
+    Solved solved;
+    solved.mesh = mesh_subject(puppet, outline);
+    timer.end("triangulate");
+    const Rig rig = snapped(puppet.rig, solved.mesh, options.pin_snap_px);
+    const std::unique_ptr<Deformer> deformer = make_deformer(puppet.method, solved.mesh, rig);
+    timer.end("bind");
+    Deformation deformation = deformer->deform(pose, nullptr, progress);
+    timer.end("deform");
+
+    solved.moved = std::move(deformation.V);
+    report.method = method_name(puppet.method.method);
+    report.vertices = static_cast<int>(solved.mesh.V.rows());
+    report.triangles = static_cast<int>(solved.mesh.F.rows());
+    report.handles = static_cast<int>(puppet.rig.handles.size());
+    report.iterations = deformation.iterations;
+    report.converged = deformation.converged;
+    report.energy = deformation.energy;
+    report.energy_history = std::move(deformation.energy_history);
+    report.max_handle_error_px = deformation.max_handle_error_px;
+    report.distortion = measure_distortion(solved.mesh, solved.moved);
+    return solved;
+}
+
+}  // namespace
+
+Image load_image(const Puppet& puppet, const ReadOptions& options) {
+    if (puppet.image.empty()) throw InvalidInput("puppet", "names no picture", "add the field `image`");
+    return read_image(resolve(puppet, puppet.image), options);
+}
+
+Cutout cut_out_subject(const Puppet& puppet, const Image& image, const ReadOptions& read) {
+    CutoutOptions options;
+    options.from = source_from_name(puppet.cutout.from);
+    options.points = puppet.cutout.points;
+    options.holes = puppet.cutout.holes;
+    if (options.from == CutoutSource::mask) options.mask = read_image(resolve(puppet, puppet.cutout.path), read);
+    return cut_out(image, options);
+}
+
+Outline outline_subject(const Puppet& puppet, int width, int height, const Cutout& cutout) {
+    if (cutout.whole) return rectangle_outline(width, height);
+    OutlineOptions options;
+    options.expand_px = puppet.mesh.expand_px.value_or(options.expand_px);
+    Outline outline = trace_outline(cutout.matte, options);
+    fill_small_holes(outline, triangulation_options(puppet, outline).max_edge_px);
+    return outline;
+}
+
+TriangleMesh mesh_subject(const Puppet& puppet, const Outline& outline) {
+    return triangulate(outline, mesh_constraints(puppet.rig), triangulation_options(puppet, outline));
+}
+
+Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
+                   const Eigen::MatrixX2d& moved, const RenderOptions& options, RenderReport& report,
+                   Progress& progress) {
+    report.canvas = choose_canvas(options.canvas, image, moved);
+    require_size(report.canvas, options.read.max_pixels);
+    const Image warped =
+        warp(apply_cutout(image, cutout), mesh, moved, {options.interpolation, report.canvas}, progress);
+    Background background = background_from_name(puppet.background.value_or("transparent"));
+    Image result = lay_over(background, warped, image, report.canvas);
+    if (options.format.empty()) return result;
+
+    report.lost = lost_in_format(result, options.format);
+    if (result.has_alpha() && !format_holds_alpha(options.format)) {
+        background.kind = cutout.whole ? Background::Kind::keep : Background::Kind::colour;
+        background.rgba = {1, 1, 1, 1};
+        result = lay_over(background, warped, image, report.canvas);
+    }
+    return result;
+}
+
+Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& options, Progress& progress) {
+    if (puppet.rig.handles.empty()) {
+        throw InvalidInput("puppet", "has no pins and no handles", "add --pin X,Y or handles to the puppet file");
+    }
+    Rendered rendered;
+    RenderReport& report = rendered.report;
+    StageTimer timer(report);
+    progress.step("read", 0);
+    const Image image = load_image(puppet, options.read);
+    timer.end("read");
+    const Cutout cutout = cut_out_subject(puppet, image, options.read);
+    Solved solved = solve(puppet, pose, image.width(), image.height(), cutout, options, report, progress);
+    StageTimer warp_timer(report);
+    rendered.image = draw_subject(puppet, image, cutout, solved.mesh, solved.moved, options, report, progress);
+    warp_timer.end("warp");
+    rendered.mesh = std::move(solved.mesh);
+    rendered.moved = std::move(solved.moved);
+    return rendered;
+}
+
+}  // namespace puppetwarp

@@ -107,21 +107,26 @@ Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, cons
     Deformation deformation = deformer->deform(pose, nullptr, progress);
     timer.end("deform");
 
+    describe(puppet.method, solved.mesh, puppet.rig, deformation, report);
     solved.moved = std::move(deformation.V);
-    report.method = method_name(puppet.method.method);
-    report.vertices = static_cast<int>(solved.mesh.V.rows());
-    report.triangles = static_cast<int>(solved.mesh.F.rows());
-    report.handles = static_cast<int>(puppet.rig.handles.size());
-    report.iterations = deformation.iterations;
-    report.converged = deformation.converged;
-    report.energy = deformation.energy;
-    report.energy_history = std::move(deformation.energy_history);
-    report.max_handle_error_px = deformation.max_handle_error_px;
-    report.distortion = measure_distortion(solved.mesh, solved.moved);
     return solved;
 }
 
 }  // namespace
+
+void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& rig, const Deformation& deformation,
+              RenderReport& report) {
+    report.method = method_name(method.method);
+    report.vertices = static_cast<int>(mesh.V.rows());
+    report.triangles = static_cast<int>(mesh.F.rows());
+    report.handles = static_cast<int>(rig.handles.size());
+    report.iterations = deformation.iterations;
+    report.converged = deformation.converged;
+    report.energy = deformation.energy;
+    report.energy_history = deformation.energy_history;
+    report.max_handle_error_px = deformation.max_handle_error_px;
+    report.distortion = measure_distortion(mesh, deformation.V);
+}
 
 Image load_image(const Puppet& puppet, const ReadOptions& options) {
     if (puppet.image.empty()) throw InvalidInput("puppet", "names no picture", "add the field `image`");

@@ -63,6 +63,10 @@ struct RenderReport {
     std::vector<std::pair<std::string, double>> timings_ms;  //!< stages in their order
 };
 
+//! Fills in what a report says of a deformation: method, sizes, convergence, distortion.
+void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& rig, const Deformation& deformation,
+              RenderReport& report);
+
 struct Rendered {
     Image image;
     TriangleMesh mesh;

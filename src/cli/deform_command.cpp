@@ -1,0 +1,130 @@
+#include "command.h"
+#include "options.h"
+#include "report.h"
+#include "terminal.h"
+
+#include <puppetwarp/base/errors.h>
+#include <puppetwarp/base/output_file.h>
+#include <puppetwarp/mesh/mesh_file.h>
+
+#include <cstdio>
+#include <memory>
+
+namespace puppetwarp::cli {
+
+namespace {
+
+struct DeformRequest {
+    std::string mesh;
+    std::string rig;
+    std::string pose;
+    std::string method;
+    std::string arap_energy;
+    std::optional<int> max_iterations;
+    std::optional<double> tolerance;
+    std::string output;
+    bool fail_on_fold = false;
+    bool force = false;
+    ReportOptions report;
+};
+
+MethodOptions method_options(const DeformRequest& request, MethodOptions options) {
+    if (!request.method.empty()) options.method = method_from_name(request.method);
+    if (!request.arap_energy.empty()) options.arap_energy = arap_energy_from_name(request.arap_energy);
+    if (request.max_iterations) options.max_iterations = *request.max_iterations;
+    if (request.tolerance) options.tolerance = *request.tolerance;
+    return options;
+}
+
+std::string csv_of(const Eigen::MatrixX2d& V) {
+    std::string text = "x,y\n";
+    char line[80];
+    for (Eigen::Index i = 0; i < V.rows(); ++i) {
+        std::snprintf(line, sizeof line, "%.17g,%.17g\n", V(i, 0), V(i, 1));
+        text += line;
+    }
+    return text;
+}
+
+void require_known_extension(const std::string& output) {
+    const std::string extension = std::filesystem::path(output).extension().string();
+    if (output != "-" && extension != ".off" && extension != ".obj" && extension != ".csv") {
+        throw InvalidInput(output, "the extension says no format of positions", "use .off, .obj or .csv");
+    }
+}
+
+void write_positions(const TriangleMesh& mesh, const Eigen::MatrixX2d& moved, const std::string& output) {
+    if (output == "-" || std::filesystem::path(output).extension() == ".csv") {
+        write_file(output, csv_of(moved));
+    } else {
+        write_mesh({moved, mesh.F}, output);
+    }
+}
+
+double milliseconds_since(std::chrono::steady_clock::time_point& last) {
+    const auto now = std::chrono::steady_clock::now();
+    const std::chrono::duration<double, std::milli> elapsed = now - last;
+    last = now;
+    return elapsed.count();
+}
+
+int deform_mesh(const DeformRequest& request, const GlobalOptions& global) {
+    request.report.require_free_stdout(request.output);
+    require_known_extension(request.output);
+    require_other_file(request.output, {request.mesh, request.rig}, request.force);
+    auto last = std::chrono::steady_clock::now();
+    RenderReport report;
+    const Puppet puppet = read_puppet(request.rig);
+    const TriangleMesh mesh = read_mesh(request.mesh);
+    if (puppet.rig.handles.empty()) throw InvalidInput(request.rig, "has no handles", "add at least one");
+    const Pose pose = request.pose.empty() ? default_pose(puppet) : find_pose(puppet, request.pose);
+    report.timings_ms.emplace_back("read", milliseconds_since(last));
+    const MethodOptions options = method_options(request, puppet.method);
+    const std::unique_ptr<Deformer> deformer = make_deformer(options, mesh, puppet.rig);
+    report.timings_ms.emplace_back("bind", milliseconds_since(last));
+    ProgressBar progress(global.quiet);
+    Deformation deformation = deformer->deform(pose, nullptr, progress);
+    report.timings_ms.emplace_back("deform", milliseconds_since(last));
+    describe(options, mesh, puppet.rig, deformation, report);
+    write_positions(mesh, deformation.V, request.output);
+    report.timings_ms.emplace_back("write", milliseconds_since(last));
+
+    if (!report.converged && !global.quiet) {
+        print_warning(report.method + " did not converge in " + std::to_string(report.iterations) + " iterations");
+    }
+    request.report.emit(report_json(report, false));
+    if (global.verbose) print_timings(report);
+    return request.fail_on_fold && report.distortion.flipped_triangles > 0 ? answer_is_no : done;
+}
+
+}  // namespace
+
+void add_deform_command(CLI::App& app, const GlobalOptions& global, int& exit_code) {
+    CLI::App* deform = add_subcommand(app, "deform", "Move the vertices of a mesh through the handles of a puppet file",
+                                      "puppetwarp deform mesh.off --rig rig.puppet.json --method arap -o moved.csv");
+    const auto request = std::make_shared<DeformRequest>();
+    deform->add_option("mesh", request->mesh, "Triangles (.off, .obj)")->required()->type_name("MESH");
+    deform->add_option("--rig", request->rig, "A puppet file with handles and poses")->required()->type_name("PUPPET");
+    deform
+        ->add_option("-o,--output", request->output, "Moved positions (.off, .obj, .csv); - is CSV to standard output")
+        ->required()
+        ->type_name("OUT");
+    deform->add_option("--pose", request->pose, "A pose of the puppet file (default: its first); rest: the rest pose")
+        ->type_name("NAME");
+    deform->add_option("--method", request->method, "harmonic, biharmonic, arap (default: the puppet file's)")
+        ->type_name("M");
+    deform->add_option("--arap-energy", request->arap_energy, "elements (default), spokes, spokes-and-rims")
+        ->type_name("E");
+    deform->add_option("--max-iterations", request->max_iterations, "Of iterative methods, at least 1")
+        ->type_name("N")
+        ->check(CLI::PositiveNumber);
+    deform->add_option("--tolerance", request->tolerance, "Relative change of energy to stop at (default 1e-8)")
+        ->type_name("T")
+        ->check(CLI::PositiveNumber);
+    deform->add_flag("--fail-on-fold", request->fail_on_fold, "Exit 1 when a triangle is folded over");
+    deform->add_flag("--force", request->force, "Let the output replace the input");
+    request->report.add_to(*deform);
+    deform->callback([request, &global, &exit_code] { exit_code = deform_mesh(*request, global); });
+}
+
+}  // namespace puppetwarp::cli

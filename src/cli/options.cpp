@@ -1,0 +1,144 @@
+#include "options.h"
+
+#include <puppetwarp/base/errors.h>
+#include <puppetwarp/base/input_file.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace puppetwarp::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void fail_pin(const std::string& text) {
+    throw InvalidInput("--pin " + text, "is not a pin",
+                       "write X,Y to hold a place, X,Y:X2,Y2 to move it, @DEG to turn it");
+}
+
+// A finite number, or nothing.
+std::optional<double> number_from(std::string_view text) {
+    if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+    return value;
+}
+
+Point parse_pin_point(std::string_view text, const std::string& pin) {
+    const std::size_t comma = text.find(',');
+    if (comma == std::string_view::npos) fail_pin(pin);
+    const auto x = number_from(text.substr(0, comma));
+    const auto y = number_from(text.substr(comma + 1));
+    if (!x || !y) {
+        throw InvalidInput("--pin " + pin, "'" + std::string(text) + "' is not a pair of finite numbers", "write X,Y");
+    }
+    return {*x, *y};
+}
+
+}  // namespace
+
+double parse_number(const std::string& text, const std::string& option) {
+    if (const auto value = number_from(text)) return *value;
+    throw InvalidInput(option + " " + text, "is not a finite number");
+}
+
+Pin parse_pin(const std::string& text) {
+    Pin pin;
+    std::string_view rest = text;
+    if (const std::size_t at = rest.find('@'); at != std::string_view::npos) {
+        const auto degrees = number_from(rest.substr(at + 1));
+        if (!degrees) fail_pin(text);
+        pin.rotate_rad = *degrees * std::numbers::pi / 180;
+        rest = rest.substr(0, at);
+    }
+    if (const std::size_t colon = rest.find(':'); colon != std::string_view::npos) {
+        pin.to = parse_pin_point(rest.substr(colon + 1), text);
+        rest = rest.substr(0, colon);
+    }
+    pin.at = parse_pin_point(rest, text);
+    return pin;
+}
+
+CanvasChoice parse_canvas(const std::string& text) {
+    if (text == "keep") return {CanvasChoice::Kind::keep, {}};
+    if (text == "grow") return {CanvasChoice::Kind::grow, {}};
+    Canvas canvas;
+    const char* const end = text.data() + text.size();
+    const auto integer = [&](const char* from, int& value) {
+        if (from < end && *from == '+') ++from;
+        const auto [next, error] = std::from_chars(from, end, value);
+        return error == std::errc() ? next : nullptr;
+    };
+    const char* next = integer(text.data(), canvas.width);
+    next = next && next < end && *next == 'x' ? integer(next + 1, canvas.height) : nullptr;
+    if (next && next < end) {
+        next = *next == '+' || *next == '-' ? integer(next, canvas.x) : nullptr;
+        next = next && next < end && (*next == '+' || *next == '-') ? integer(next, canvas.y) : nullptr;
+    }
+    if (next != end || canvas.width < 1 || canvas.height < 1) {
+        throw InvalidInput("--canvas " + text, "is not a canvas", "write keep, grow, or WxH+X+Y in whole pixels");
+    }
+    return {CanvasChoice::Kind::given, canvas};
+}
+
+double parse_threshold(const std::string& text) {
+    const std::size_t slash = text.find('/');
+    double value = parse_number(text.substr(0, slash), "--threshold");
+    if (slash != std::string::npos) {
+        const double whole = parse_number(text.substr(slash + 1), "--threshold");
+        if (whole <= 0) throw InvalidInput("--threshold " + text, "divides by a number that is not above 0");
+        value /= whole;
+    }
+    if (value < 0 || value > 1) throw InvalidInput("--threshold " + text, "must be between 0 and 1");
+    return value;
+}
+
+void add_pins(Puppet& puppet, Pose& pose, const std::vector<std::string>& pins) {
+    int number = 0;
+    for (const std::string& text : pins) {
+        const Pin pin = parse_pin(text);
+        std::string id;
+        do {
+            id = "pin" + std::to_string(++number);
+        } while (find_handle(puppet.rig, id));
+        puppet.rig.handles.push_back({id, PointHandle{pin.at, std::nullopt}});
+        if (pin.to || pin.rotate_rad) {
+            HandlePose& target = pose.handles[id];
+            target.to = pin.to;
+            target.rotate_rad = pin.rotate_rad;
+        }
+    }
+}
+
+bool is_puppet_file(const fs::path& path) {
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    return extension == ".json";
+}
+
+Puppet open_puppet(const fs::path& path) {
+    if (is_puppet_file(path)) return read_puppet(path);
+    require_readable_file(path);
+    Puppet puppet;
+    puppet.folder = path.parent_path();
+    puppet.image = path.filename().string();
+    return puppet;
+}
+
+void require_other_file(const fs::path& output, const std::vector<fs::path>& inputs, bool force) {
+    if (force) return;
+    for (const fs::path& input : inputs) {
+        std::error_code error;
+        if (!input.empty() && fs::is_regular_file(output, error) && fs::equivalent(output, input, error)) {
+            throw InvalidInput(output.string(), "is the input itself", "choose another name, or --force to replace it");
+        }
+    }
+}
+
+}  // namespace puppetwarp::cli

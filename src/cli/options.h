@@ -1,0 +1,45 @@
+#pragma once
+
+#include <puppetwarp/base/point.h>
+#include <puppetwarp/project/pipeline.h>
+#include <puppetwarp/project/puppet.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace puppetwarp::cli {
+
+//! A finite number, all of the text. \throw InvalidInput  named after `option`.
+double parse_number(const std::string& text, const std::string& option);
+
+//! One `--pin X,Y[:X2,Y2][@DEG]`.
+struct Pin {
+    Point at;
+    std::optional<Point> to;
+    std::optional<double> rotate_rad;
+};
+//! \throw InvalidInput  anything else, numbers that are not finite.
+Pin parse_pin(const std::string& text);
+
+//! `keep`, `grow` or `WxH+X+Y` (either sign before X and Y; no X and Y: at the origin). \throw InvalidInput
+CanvasChoice parse_canvas(const std::string& text);
+
+//! A share of full scale: `0.02` or `4/255`. \throw InvalidInput  outside 0 to 1.
+double parse_threshold(const std::string& text);
+
+//! Adds pins to a puppet's rig, and their targets to `pose`.
+void add_pins(Puppet& puppet, Pose& pose, const std::vector<std::string>& pins);
+
+//! True when a file is a puppet file: its name ends in `.json`.
+bool is_puppet_file(const std::filesystem::path& path);
+
+//! A puppet from a puppet file, or one around a picture. \throw InvalidInput  as `read_puppet`; missing picture.
+Puppet open_puppet(const std::filesystem::path& path);
+
+//! \throw InvalidInput  `output` is one of `inputs` and `force` is not set.
+void require_other_file(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
+                        bool force);
+
+}  // namespace puppetwarp::cli

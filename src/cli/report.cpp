@@ -1,0 +1,100 @@
+#include "report.h"
+
+#include <puppetwarp/base/errors.h>
+#include <puppetwarp/base/output_file.h>
+
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+
+#include <sys/resource.h>
+
+namespace puppetwarp::cli {
+
+namespace {
+
+// JSON has no infinity: what has no number is null.
+Json finite(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+double peak_memory_mb() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+}  // namespace
+
+void ReportOptions::add_to(CLI::App& subcommand) {
+    subcommand.add_flag("--json", json, "Print a report to standard output as one JSON object");
+    subcommand.add_option("--report", file, "Write the report to a file")->type_name("FILE");
+}
+
+void ReportOptions::require_free_stdout(const std::filesystem::path& output) const {
+    if (json && output == "-") {
+        throw InvalidInput("usage", "--json and -o - both want standard output", "use --report FILE");
+    }
+}
+
+void ReportOptions::emit(const Json& report) const {
+    const std::string text = report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    if (!file.empty()) write_file(file, text);
+    if (json) std::cout << text;
+}
+
+Json report_json(const RenderReport& report, bool with_canvas) {
+    Json json;
+    json["method"] = report.method;
+    json["vertices"] = report.vertices;
+    json["triangles"] = report.triangles;
+    json["handles"] = report.handles;
+    json["iterations"] = report.iterations;
+    json["converged"] = report.converged;
+    json["energy"] = finite(report.energy);
+    json["energy_history"] = Json::array();
+    for (const double energy : report.energy_history) json["energy_history"].push_back(finite(energy));
+    json["flipped_triangles"] = report.distortion.flipped_triangles;
+    json["max_stretch"] = finite(report.distortion.max_stretch);
+    json["max_area_ratio"] = finite(report.distortion.max_area_ratio);
+    json["max_handle_error_px"] = finite(report.max_handle_error_px);
+    if (with_canvas) {
+        const Canvas& canvas = report.canvas;
+        json["canvas"] = {{"x", canvas.x}, {"y", canvas.y}, {"width", canvas.width}, {"height", canvas.height}};
+        json["lost"] = report.lost;
+    }
+    json["timings_ms"] = Json::object();
+    for (const auto& [stage, ms] : report.timings_ms) json["timings_ms"][stage] = std::round(ms * 1000) / 1000;
+    json["peak_memory_mb"] = std::round(peak_memory_mb() * 10) / 10;
+    return json;
+}
+
+Json report_json(const Comparison& comparison) {
+    Json json;
+    json["same"] = comparison.same;
+    json["reason"] = comparison.reason;
+    json["width"] = comparison.width;
+    json["height"] = comparison.height;
+    if (!comparison.comparable) return json;
+    json["max"] = finite(comparison.max);
+    json["max_at"] = comparison.max_x < 0 ? Json(nullptr) : Json{comparison.max_x, comparison.max_y};
+    json["mean"] = finite(comparison.mean);
+    json["rmse"] = finite(comparison.rmse);
+    json["psnr"] = finite(comparison.psnr);
+    json["differing_pixels"] = comparison.differing_pixels;
+    json["differing_percent"] = comparison.differing_percent;
+    json["bounding_box"] = nullptr;
+    if (comparison.box_width > 0) {
+        json["bounding_box"] = {{"x", comparison.box_x},
+                                {"y", comparison.box_y},
+                                {"width", comparison.box_width},
+                                {"height", comparison.box_height}};
+    }
+    return json;
+}
+
+void print_timings(const RenderReport& report) {
+    for (const auto& [stage, ms] : report.timings_ms) std::fprintf(stderr, "%-12s %9.2f ms\n", stage.c_str(), ms);
+}
+
+}  // namespace puppetwarp::cli

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <puppetwarp/diff/compare.h>
+#include <puppetwarp/project/pipeline.h>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <string>
+
+namespace puppetwarp::cli {
+
+using Json = nlohmann::ordered_json;
+
+//! Where a report goes.
+struct ReportOptions {
+    bool json = false;           //!< to standard output
+    std::filesystem::path file;  //!< or empty
+
+    //! Adds `--json` and `--report FILE`.
+    void add_to(CLI::App& subcommand);
+    //! \throw InvalidInput  `--json` while the result itself goes to standard output.
+    void require_free_stdout(const std::filesystem::path& output) const;
+    //! Prints and writes what was asked for. \throw InvalidInput, MachineFault
+    void emit(const Json& report) const;
+};
+
+//! The report of `warp` and `deform`. What only a picture has (`canvas`, `lost`) appears when there is one.
+Json report_json(const RenderReport& report, bool with_canvas);
+
+//! The report of `diff`.
+Json report_json(const Comparison& comparison);
+
+//! Stages with their times, for `--verbose`, on standard error.
+void print_timings(const RenderReport& report);
+
+}  // namespace puppetwarp::cli

@@ -1,0 +1,263 @@
+// Everything wrong that a person can give the command: one line on standard error, exit code 2 (or 3 for the machine),
+// no output file, nothing lost.
+
+#include "pictures.h"
+#include "support/run_command.h"
+
+#include <puppetwarp/image/write.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace puppetwarp::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class BadInput : public testing::Test {
+protected:
+    BadInput() {
+        write_image(disc_picture(120, 100), good);
+        write_image(noise_picture(80, 60, CV_8UC3), photo);
+    }
+
+    // The one line of DESIGN.md section 4: `puppetwarp: WHAT: why (what to do)`.
+    static void expect_refused(const CommandResult& result, const std::string& mentions, int exit_code = 2) {
+        EXPECT_EQ(result.exit_code, exit_code) << result.errors;
+        EXPECT_THAT(result.errors, testing::StartsWith("puppetwarp: "));
+        EXPECT_EQ(std::count(result.errors.begin(), result.errors.end(), '\n'), 1) << result.errors;
+        EXPECT_THAT(result.errors, HasSubstr(mentions));
+        EXPECT_EQ(result.output, "");
+    }
+
+    CommandResult warp(const std::string& input, std::vector<std::string> more = {"--pin", "60,50"}) const {
+        more.insert(more.begin(), {"warp", input, "-o", out});
+        return puppetwarp_command(more);
+    }
+
+    // Warps a puppet file with this text.
+    CommandResult warp_puppet(const std::string& json) const {
+        put_bytes(folder / "test.puppet.json", json);
+        return warp(folder / "test.puppet.json", {});
+    }
+
+    TemporaryFolder folder;
+    std::string good = folder / "good.png";
+    std::string photo = folder / "photo.png";
+    std::string out = folder / "out.png";
+};
+
+TEST_F(BadInput, TheGoodCaseWorks) {
+    const CommandResult result = warp(good);
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_TRUE(fs::exists(out));
+}
+
+TEST_F(BadInput, PathsThatAreNoFile) {
+    expect_refused(warp(folder / "missing.png"), "missing.png: no such file");
+    expect_refused(warp(folder.path().string()), "is a folder");
+    put_bytes(folder / "empty.png", "");
+    expect_refused(warp(folder / "empty.png"), "empty");
+    ASSERT_EQ(::mkfifo((folder / "pipe.png").c_str(), 0600), 0);
+    expect_refused(warp(folder / "pipe.png"), "not a regular file");
+    EXPECT_FALSE(fs::exists(out));
+}
+
+TEST_F(BadInput, FilesThatAreNoWholePicture) {
+    put_bytes(folder / "text.png", "This is not a picture at all, only words.\n");
+    expect_refused(warp(folder / "text.png"), "text.png");
+    write_image(noise_picture(200, 200, CV_8UC3), folder / "whole.png");
+    const std::string png = bytes_of(folder / "whole.png");
+    put_bytes(folder / "cut.png", png.substr(0, png.size() / 2));
+    expect_refused(warp(folder / "cut.png"), "cut.png");
+    write_image(noise_picture(200, 200, CV_8UC3), folder / "whole.jpg");
+    const std::string jpeg = bytes_of(folder / "whole.jpg");
+    put_bytes(folder / "cut.jpg", jpeg.substr(0, jpeg.size() / 2));
+    expect_refused(warp(folder / "cut.jpg"), "cut.jpg");
+    EXPECT_FALSE(fs::exists(out));
+}
+
+TEST_F(BadInput, PicturesThatCannotBeWorkedWith) {
+    expect_refused(warp(good, {"--pin", "60,50", "--max-pixels", "1000"}), "--max-pixels");
+    Image transparent = disc_picture(50, 50);
+    transparent.pixels.setTo(cv::Scalar(0));
+    write_image(transparent, folder / "transparent.png");
+    expect_refused(warp(folder / "transparent.png", {"--pin", "25,25"}), "transparent");
+}
+
+TEST_F(BadInput, TinyPicturesWork) {
+    for (const int size : {1, 3}) {
+        write_image(noise_picture(size, size, CV_8UC3), folder / "tiny.png");
+        const CommandResult whole = warp(folder / "tiny.png", {"--pin", "0.5,0.5"});
+        EXPECT_EQ(whole.exit_code, 0) << whole.errors;
+        Image dot = noise_picture(size, size, CV_8UC4);
+        dot.pixels.at<cv::Vec4b>(size / 2, size / 2)[3] = 255;
+        write_image(dot, folder / "dot.png");
+        const std::string centre = std::to_string(size / 2.0);
+        const CommandResult cut = warp(folder / "dot.png", {"--pin", centre + "," + centre});
+        EXPECT_EQ(cut.exit_code, 0) << cut.errors;
+    }
+}
+
+TEST_F(BadInput, PinsOutsideTheSubject) {
+    const CommandResult result = warp(good, {"--pin", "2,50"});
+    expect_refused(result, "--pin-snap");
+    EXPECT_THAT(result.errors, testing::ContainsRegex("[0-9.]+ px"));
+    EXPECT_EQ(warp(good, {"--pin", "2,50", "--pin-snap", "60"}).exit_code, 0);
+    expect_refused(warp(good, {"--pin", "2,50", "--pin-snap", "3"}), "--pin-snap");
+}
+
+TEST_F(BadInput, PinsThatContradict) {
+    expect_refused(warp(good, {"--pin", "60,50:70,50", "--pin", "60,50:50,50"}), "pin2");
+    EXPECT_EQ(warp(good, {"--pin", "60,50:65,50", "--pin", "60,50:65,50"}).exit_code, 0);
+}
+
+TEST_F(BadInput, PinsThatAreNoNumbers) {
+    for (const char* pin :
+         {"nan,50", "60,inf", "60,50:nan,1", "1e999,50", "60", "60,50:70", "a,b", "60,50@x", "", "60,50,70"}) {
+        expect_refused(warp(good, {"--pin", pin}), "--pin");
+    }
+}
+
+TEST_F(BadInput, NothingToDo) {
+    expect_refused(warp(good, {}), "no pins");
+    expect_refused(puppetwarp_command({}), "usage");
+    expect_refused(puppetwarp_command({"dance"}), "usage");
+    expect_refused(puppetwarp_command({"warp"}), "usage");
+    expect_refused(warp(good, {"--pin", "60,50", "--nonsense"}), "--nonsense");
+}
+
+TEST_F(BadInput, UnknownNames) {
+    expect_refused(warp(good, {"--pin", "60,50", "--method", "magic"}), "magic");
+    expect_refused(warp(good, {"--pin", "60,50", "--arap-energy", "magic"}), "magic");
+    expect_refused(warp(good, {"--pin", "60,50", "--interpolation", "magic"}), "magic");
+    expect_refused(warp(good, {"--pin", "60,50", "--background", "magic"}), "magic");
+    expect_refused(warp(good, {"--pin", "60,50", "--canvas", "magic"}), "magic");
+    expect_refused(warp(good, {"--pin", "60,50", "--pose", "magic"}), "magic");
+}
+
+TEST_F(BadInput, MeshOptionsOutOfRange) {
+    expect_refused(puppetwarp_command({"mesh", good, "-o", folder / "m.off", "--min-angle-deg", "31"}), "31");
+    expect_refused(puppetwarp_command({"mesh", good, "-o", folder / "m.off", "--max-edge-px", "0"}), "max-edge-px");
+    expect_refused(puppetwarp_command({"mesh", good, "-o", folder / "m.off", "--max-edge-px", "0.0001"}), "vert");
+    expect_refused(puppetwarp_command({"mesh", good, "-o", folder / "m.stl"}), ".off");
+}
+
+TEST_F(BadInput, PuppetFilesThatAreNone) {
+    expect_refused(warp_puppet("not json"), "JSON");
+    expect_refused(warp_puppet("{\"format\": \"puppetwarp\", "), "line 1");
+    expect_refused(warp_puppet("[]"), "object");
+    expect_refused(warp_puppet(R"({"version": 1})"), "format");
+    expect_refused(warp_puppet(R"({"format": "other", "version": 1})"), "format");
+    expect_refused(warp_puppet(R"({"format": "puppetwarp", "version": 2})"), "version");
+    expect_refused(warp_puppet(std::string(100000, '[')), "");
+}
+
+TEST_F(BadInput, PuppetFieldsOfTheWrongTypeAreNamed) {
+    const std::string head = R"({"format": "puppetwarp", "version": 1, "image": "good.png", )";
+    const auto point = [&](const std::string& rest) {
+        return head + R"("handles": [{"id": "a", "type": "point", "at": [60, 50]}], )" + rest + "}";
+    };
+    expect_refused(warp_puppet(head + R"("handles": 7})"), "handles");
+    expect_refused(warp_puppet(head + R"("handles": [{"id": "a", "type": "point", "at": "here"}]})"), "handles[0].at");
+    expect_refused(warp_puppet(head + R"("handles": [{"id": "a", "type": "point", "at": [1, 2, 3]}]})"),
+                   "handles[0].at");
+    expect_refused(warp_puppet(head + R"("handles": [{"id": 7, "type": "point", "at": [1, 2]}]})"), "handles[0].id");
+    expect_refused(warp_puppet(head + R"("handles": [{"id": "a", "type": "blob", "at": [1, 2]}]})"), "handles[0].type");
+    expect_refused(warp_puppet(point(R"("mesh": {"min_angle_deg": 40})")), "mesh.min_angle_deg");
+    expect_refused(warp_puppet(point(R"("mesh": {"max_edge_px": "fine"})")), "mesh.max_edge_px");
+    expect_refused(warp_puppet(point(R"("method": {"name": "magic"})")), "method.name");
+    expect_refused(warp_puppet(point(R"("poses": [{"name": "p", "handles": {"b": {"to": [1, 2]}}}])")),
+                   "poses[0].handles.b");
+    expect_refused(warp_puppet(point(R"("poses": [{"name": "p", "handles": {"a": {"to": [1, 1e999]}}}])")), "");
+    expect_refused(warp_puppet(point(R"("poses": [{"name": "p", "handles": {"a": {"to": [1, null]}}}])")),
+                   "poses[0].handles.a.to");
+    expect_refused(warp_puppet(point(R"("background": "pink")")), "background");
+    expect_refused(warp_puppet(point(R"("cutout": {"from": "magic"})")), "cutout.from");
+}
+
+TEST_F(BadInput, PuppetWhosePictureIsMissing) {
+    expect_refused(warp_puppet(R"({"format": "puppetwarp", "version": 1, "image": "gone.png",
+        "handles": [{"id": "a", "type": "point", "at": [1, 2]}]})"),
+                   "gone.png");
+    expect_refused(warp_puppet(R"({"format": "puppetwarp", "version": 1,
+        "handles": [{"id": "a", "type": "point", "at": [1, 2]}]})"),
+                   "picture");
+}
+
+TEST_F(BadInput, OutputsThatCannotBe) {
+    const auto to = [&](const std::string& output) {
+        return puppetwarp_command({"warp", good, "--pin", "60,50", "-o", output});
+    };
+    expect_refused(to(folder / "nowhere/out.png"), "nowhere");
+    expect_refused(to(folder / "out.xyz"), "xyz");
+    expect_refused(to(folder / "out"), "extension");
+    expect_refused(to(folder.path().string()), "");
+    expect_refused(to(good), "--force");
+    expect_refused(puppetwarp_command({"warp", good, "--pin", "60,50", "-o", "-", "--json"}), "--json");
+}
+
+TEST_F(BadInput, ForceReplacesTheInput) {
+    const std::string before = bytes_of(good);
+    EXPECT_EQ(puppetwarp_command({"warp", good, "--pin", "60,50:65,55", "-o", good, "--force"}).exit_code, 0);
+    EXPECT_NE(bytes_of(good), before);
+}
+
+TEST_F(BadInput, ReadOnlyFolder) {
+    if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+    fs::permissions(folder.path(), fs::perms::owner_read | fs::perms::owner_exec);
+    expect_refused(warp(good), "cannot be written");
+}
+
+TEST_F(BadInput, FullDiskKeepsTheOldFile) {
+    put_bytes(out, "what was there before");
+    Image noise = noise_picture(300, 300, CV_8UC3);
+    write_image(noise, photo);
+    const CommandResult result = puppetwarp_command({"warp", photo, "--pin", "60,50", "-o", out}, [] {
+        const rlimit limit{20000, 20000};
+        ::setrlimit(RLIMIT_FSIZE, &limit);
+    });
+    expect_refused(result, "out.png", 3);
+    EXPECT_EQ(bytes_of(out), "what was there before");
+    for (const auto& entry : fs::directory_iterator(folder.path())) {
+        EXPECT_THAT(entry.path().filename().string(), testing::Not(testing::StartsWith(".puppetwarp"))) << entry;
+    }
+}
+
+TEST_F(BadInput, DiffCannotCompare) {
+    expect_refused(puppetwarp_command({"diff", good, folder / "missing.png"}), "missing.png");
+    expect_refused(puppetwarp_command({"diff", good, good, "--threshold", "2"}), "--threshold");
+    expect_refused(puppetwarp_command({"diff", good, good, "--threshold", "-1"}), "--threshold");
+    expect_refused(puppetwarp_command({"diff", good, good, "--threshold", "nan"}), "--threshold");
+    expect_refused(puppetwarp_command({"diff", good, good, "--heatmap", folder / "nowhere/map.png"}), "nowhere");
+}
+
+TEST_F(BadInput, MeshesThatAreNone) {
+    put_bytes(folder / "rig.json", R"({"format": "puppetwarp", "version": 1,
+        "handles": [{"id": "v", "type": "vertex", "index": 0}]})");
+    const auto deform = [&](const std::string& mesh) {
+        put_bytes(folder / "m.off", mesh);
+        return puppetwarp_command(
+            {"deform", folder / "m.off", "--rig", folder / "rig.json", "-o", folder / "moved.csv"});
+    };
+    EXPECT_EQ(deform("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").exit_code, 0);
+    expect_refused(deform("PLY\n"), "m.off");
+    expect_refused(deform("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n"), "m.off");
+    expect_refused(deform("OFF\n3 1 0\n0 0 0\nnan 0 0\n0 1 0\n3 0 1 2\n"), "m.off");
+    expect_refused(deform("OFF\n1000000000 1 0\n0 0 0\n"), "m.off");
+    expect_refused(deform("OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n"), "m.off");
+    put_bytes(folder / "rig.json", R"({"format": "puppetwarp", "version": 1,
+        "handles": [{"id": "v", "type": "vertex", "index": 3}]})");
+    expect_refused(deform("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), "v");
+}
+
+}  // namespace
+}  // namespace puppetwarp::tests

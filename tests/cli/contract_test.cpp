@@ -1,0 +1,274 @@
+// What scripts rely on: exit codes, standard output, reports, whole files, the same bytes.
+
+#include "pictures.h"
+#include "support/run_command.h"
+
+#include <puppetwarp/image/read.h>
+#include <puppetwarp/image/write.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <csignal>
+#include <cstring>
+
+#include <unistd.h>
+
+namespace puppetwarp::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class Contract : public testing::Test {
+protected:
+    CommandResult run(std::vector<std::string> arguments) const {
+        const CommandResult result = puppetwarp_command(std::move(arguments));
+        EXPECT_EQ(result.signal, 0);
+        return result;
+    }
+
+    // True when both pictures have the same pixels where they are visible.
+    static bool same_visible(const cv::Mat& a, const cv::Mat& b) {
+        if (a.size() != b.size() || a.type() != b.type()) return false;
+        const bool alpha = a.channels() % 2 == 0;
+        for (int y = 0; y < a.rows; ++y) {
+            for (int x = 0; x < a.cols; ++x) {
+                const auto* p = a.ptr(y, x);
+                const auto* q = b.ptr(y, x);
+                const auto last = a.elemSize() - a.elemSize1();
+                const unsigned char zero[8] = {};
+                const bool invisible = alpha && std::memcmp(p + last, zero, a.elemSize1()) == 0 &&
+                                       std::memcmp(q + last, zero, a.elemSize1()) == 0;
+                if (!invisible && std::memcmp(p, q, a.elemSize()) != 0) return false;
+            }
+        }
+        return true;
+    }
+
+    TemporaryFolder folder;
+};
+
+TEST_F(Contract, RestPoseGivesThePictureBack) {
+    for (const int type : {CV_8UC1, CV_8UC2, CV_8UC3, CV_8UC4, CV_16UC1, CV_16UC2, CV_16UC3, CV_16UC4}) {
+        for (const char* extension : {".png", ".tif"}) {
+            const std::string in = folder / (std::string("in") + extension),
+                              out = folder / (std::string("out") + extension);
+            const Image picture = noise_picture(170, 130, type);
+            write_image(picture, in);
+            for (const char* method : {"arap", "harmonic", "biharmonic"}) {
+                const CommandResult result = run({"warp", in, "--pin", "70,60", "--pin", "100,65", "--pin", "85,90",
+                                                  "--method", method, "-o", out, "--quiet"});
+                ASSERT_EQ(result.exit_code, 0) << result.errors;
+                EXPECT_TRUE(same_visible(read_image(out).pixels, picture.pixels)) << type << extension << method;
+            }
+        }
+    }
+}
+
+TEST_F(Contract, WholePixelMoveShiftsThePicture) {
+    for (const int type : {CV_8UC4, CV_16UC2}) {
+        const Image picture = noise_picture(170, 130, type);
+        write_image(picture, folder / "in.png");
+        const CommandResult result = run(
+            {"warp", folder / "in.png", "--pin", "70,60:75,57", "--pin", "100,65:105,62", "-o", folder / "out.png"});
+        ASSERT_EQ(result.exit_code, 0) << result.errors;
+        const cv::Mat out = read_image(folder / "out.png").pixels;
+        EXPECT_TRUE(same_visible(out(cv::Rect(5, 0, 165, 127)), picture.pixels(cv::Rect(0, 3, 165, 127)))) << type;
+    }
+}
+
+TEST_F(Contract, WholePhotographMovesByWholePixels) {
+    const Image picture = noise_picture(90, 70, CV_8UC3);
+    write_image(picture, folder / "in.png");
+    const CommandResult result = run({"warp", folder / "in.png", "--pin", "45,35:52,39", "-o", folder / "out.png"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    const cv::Mat out = read_image(folder / "out.png").pixels;
+    ASSERT_EQ(out.type(), CV_8UC4);  // what the picture left is uncovered
+    for (int y = 0; y < 70; ++y) {
+        for (int x = 0; x < 90; ++x) {
+            const cv::Vec4b got = out.at<cv::Vec4b>(y, x);
+            if (x < 7 || y < 4) {
+                ASSERT_EQ(got[3], 0);
+            } else {
+                const cv::Vec3b wanted = picture.pixels.at<cv::Vec3b>(y - 4, x - 7);
+                ASSERT_EQ(got, cv::Vec4b(wanted[0], wanted[1], wanted[2], 255)) << x << ' ' << y;
+            }
+        }
+    }
+}
+
+TEST_F(Contract, PinsAreMet) {
+    write_image(disc_picture(200, 200), folder / "in.png");
+    for (const char* method : {"arap", "harmonic", "biharmonic"}) {
+        const CommandResult result =
+            run({"warp", folder / "in.png", "--pin", "70,100", "--pin", "130,100:140.25,80.5", "--pin",
+                 "100,140:95,150", "--method", method, "-o", folder / "out.png", "--json"});
+        ASSERT_EQ(result.exit_code, 0) << result.errors;
+        const Json report = Json::parse(result.output);
+        EXPECT_LT(report["max_handle_error_px"].get<double>(), 0.01) << method;
+        EXPECT_TRUE(report["converged"].get<bool>()) << method;
+        EXPECT_EQ(report["flipped_triangles"].get<int>(), 0) << method;
+    }
+}
+
+TEST_F(Contract, ReportHasItsFields) {
+    write_image(disc_picture(100, 100), folder / "in.png");
+    const CommandResult result = run({"warp", folder / "in.png", "--pin", "40,50", "--pin", "60,50:65,45", "-o",
+                                      folder / "out.png", "--json", "--report", folder / "report.json"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    const Json report = Json::parse(result.output);
+    EXPECT_EQ(Json::parse(bytes_of(folder / "report.json"))["energy"], report["energy"]);
+    for (const char* key : {"method", "vertices", "triangles", "handles", "iterations", "converged", "energy",
+                            "energy_history", "flipped_triangles", "max_stretch", "max_area_ratio",
+                            "max_handle_error_px", "canvas", "timings_ms", "peak_memory_mb"}) {
+        EXPECT_TRUE(report.contains(key)) << key;
+    }
+    for (const char* key : {"read", "cutout", "triangulate", "bind", "deform", "warp", "write"}) {
+        EXPECT_TRUE(report["timings_ms"].contains(key)) << key;
+    }
+    EXPECT_EQ(report["method"], "arap");
+    EXPECT_EQ(report["handles"], 2);
+    EXPECT_EQ(report["energy_history"].back(), report["energy"]);
+}
+
+TEST_F(Contract, NotConvergingIsSaid) {
+    write_image(disc_picture(200, 200), folder / "in.png");
+    put_bytes(folder / "p.json", R"({"format": "puppetwarp", "version": 1, "image": "in.png",
+        "handles": [{"id": "a", "type": "point", "at": [60, 100]}, {"id": "b", "type": "point", "at": [140, 100]}],
+        "method": {"name": "arap", "max_iterations": 1},
+        "poses": [{"name": "p", "handles": {"b": {"to": [120, 40]}}}]})");
+    const CommandResult result = run({"warp", folder / "p.json", "-o", folder / "out.png", "--json"});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_FALSE(Json::parse(result.output)["converged"].get<bool>());
+    EXPECT_THAT(result.errors, testing::HasSubstr("did not converge"));
+}
+
+TEST_F(Contract, FoldGate) {
+    write_image(disc_picture(200, 200), folder / "in.png");
+    const std::vector<std::string> crossed = {"warp",  folder / "in.png", "--pin",    "85,100:150,100",
+                                              "--pin", "115,100:50,100",  "--method", "harmonic",
+                                              "--pin", "100,40",          "-o",       folder / "out.png"};
+    EXPECT_EQ(run(crossed).exit_code, 0);
+    std::vector<std::string> gated = crossed;
+    gated.push_back("--fail-on-fold");
+    EXPECT_EQ(run(gated).exit_code, 1);
+    EXPECT_TRUE(fs::exists(folder / "out.png"));
+    EXPECT_EQ(run({"warp", folder / "in.png", "--pin", "85,100", "-o", folder / "out.png", "--fail-on-fold"}).exit_code,
+              0);
+}
+
+TEST_F(Contract, SameBytesForAnyNumberOfThreads) {
+    write_image(noise_picture(400, 300, CV_8UC4), folder / "in.png");
+    std::string first;
+    for (const char* threads : {"1", "2", "7"}) {
+        const CommandResult result = run({"warp", folder / "in.png", "--pin", "160,150", "--pin", "240,150:260,110",
+                                          "--pin", "200,200:190,220", "-j", threads, "-o", folder / "out.png"});
+        ASSERT_EQ(result.exit_code, 0) << result.errors;
+        const std::string bytes = bytes_of(folder / "out.png");
+        if (first.empty()) first = bytes;
+        EXPECT_TRUE(bytes == first) << threads;
+    }
+}
+
+TEST_F(Contract, JpegKeepsWhatIsBehindAndSaysWhatIsLost) {
+    write_image(noise_picture(90, 70, CV_8UC3), folder / "in.png");
+    const std::vector<std::string> arguments = {"warp", folder / "in.png", "--pin", "45,35:52,39",
+                                                "-o",   folder / "out.jpg"};
+    const CommandResult result = run(arguments);
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_THAT(result.errors, testing::HasSubstr("alpha"));
+    EXPECT_EQ(read_image(folder / "out.jpg").pixels.channels(), 3);
+    std::vector<std::string> strict = arguments;
+    strict.push_back("--strict");
+    fs::remove(folder / "out.jpg");
+    EXPECT_EQ(run(strict).exit_code, 2);
+    EXPECT_FALSE(fs::exists(folder / "out.jpg"));
+}
+
+TEST_F(Contract, Diff) {
+    Image picture = noise_picture(60, 40, CV_8UC3);
+    write_image(picture, folder / "a.png");
+    Image deeper;
+    picture.pixels.convertTo(deeper.pixels, CV_16U, 257);
+    write_image(deeper, folder / "a16.png");
+    picture.pixels.at<cv::Vec3b>(7, 30)[1] ^= 4;
+    write_image(picture, folder / "b.png");
+    write_image(noise_picture(61, 40, CV_8UC3), folder / "wider.png");
+
+    EXPECT_EQ(run({"diff", folder / "a.png", folder / "a.png"}).exit_code, 0);
+    EXPECT_EQ(run({"diff", folder / "a.png", folder / "a16.png"}).exit_code, 0);
+    EXPECT_EQ(run({"diff", folder / "a.png", folder / "wider.png"}).exit_code, 1);
+    EXPECT_EQ(run({"diff", folder / "a.png", folder / "b.png", "--threshold", "4/255"}).exit_code, 0);
+    EXPECT_EQ(run({"diff", folder / "a.png", folder / "b.png", "--threshold", "3.9/255"}).exit_code, 1);
+    const CommandResult result =
+        run({"diff", folder / "a.png", folder / "b.png", "--heatmap", folder / "map.png", "--json"});
+    EXPECT_EQ(result.exit_code, 1);
+    const Json report = Json::parse(result.output);
+    EXPECT_EQ(report["differing_pixels"], 1);
+    EXPECT_EQ(report["max_at"], Json({30, 7}));
+    EXPECT_NEAR(report["max"].get<double>(), 4.0 / 255, 1e-12);
+    EXPECT_EQ(read_image(folder / "map.png").width(), 60);
+}
+
+TEST_F(Contract, HelpAndVersionEverywhere) {
+    EXPECT_EQ(run({"--version"}).output, "puppetwarp 0.1.0\n");
+    for (const std::string command : {"warp", "mesh", "deform", "diff", "info"}) {
+        const CommandResult help = run({command, "--help"});
+        EXPECT_EQ(help.exit_code, 0);
+        EXPECT_THAT(help.output, testing::HasSubstr("Example:"));
+        EXPECT_THAT(help.output, testing::HasSubstr("puppetwarp " + command));
+    }
+}
+
+TEST_F(Contract, Info) {
+    write_image(noise_picture(90, 70, CV_16UC4), folder / "in.png");
+    const Json info = Json::parse(run({"info", folder / "in.png", "--json"}).output);
+    EXPECT_EQ(info["width"], 90);
+    EXPECT_EQ(info["height"], 70);
+    EXPECT_EQ(info["bits"], 16);
+    EXPECT_EQ(info["alpha"], true);
+    const CommandResult mixed = run({"info", folder / "in.png", folder / "missing.png"});
+    EXPECT_EQ(mixed.exit_code, 2);
+    EXPECT_THAT(mixed.output, testing::HasSubstr("90"));
+}
+
+TEST_F(Contract, MeshAndDeformGoTogether) {
+    write_image(disc_picture(100, 100), folder / "in.png");
+    ASSERT_EQ(run({"mesh", folder / "in.png", "-o", folder / "m.off", "--max-edge-px", "10"}).exit_code, 0);
+    put_bytes(folder / "rig.json", R"({"format": "puppetwarp", "version": 1,
+        "handles": [{"id": "a", "type": "vertex", "index": 0}, {"id": "b", "type": "vertex", "index": 5}],
+        "poses": [{"name": "p", "handles": {"a": {"to": [1.25, 2.5]}}}]})");
+    const CommandResult result = run(
+        {"deform", folder / "m.off", "--rig", folder / "rig.json", "--method", "harmonic", "-o", folder / "moved.csv"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    const std::string csv = bytes_of(folder / "moved.csv");
+    EXPECT_THAT(csv, testing::StartsWith("x,y\n1.25,2.5\n"));
+    const CommandResult info = run({"info", folder / "m.off", "--json"});
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n') - 1, Json::parse(info.output)["vertices"].get<int>());
+}
+
+TEST_F(Contract, SymbolicLinksAndPermissionsStay) {
+    write_image(disc_picture(60, 60), folder / "in.png");
+    put_bytes(folder / "real.png", "old");
+    fs::permissions(folder / "real.png", fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
+    fs::create_symlink("real.png", folder / "link.png");
+    ASSERT_EQ(run({"warp", folder / "in.png", "--pin", "30,30", "-o", folder / "link.png"}).exit_code, 0);
+    EXPECT_TRUE(fs::is_symlink(folder / "link.png"));
+    EXPECT_EQ(read_image(folder / "real.png").width(), 60);
+    EXPECT_EQ(fs::status(folder / "real.png").permissions(),
+              fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
+}
+
+TEST_F(Contract, StandardOutputTakesThePicture) {
+    write_image(disc_picture(60, 60), folder / "in.png");
+    ASSERT_EQ(run({"warp", folder / "in.png", "--pin", "30,30", "-o", folder / "out.png"}).exit_code, 0);
+    const std::string wanted = bytes_of(folder / "out.png");
+    EXPECT_EQ(run({"warp", folder / "in.png", "--pin", "30,30", "-o", "-"}).output, wanted);
+    EXPECT_EQ(run({"warp", folder / "in.png", "--pin", "30,30", "-o", "/dev/stdout"}).output, wanted);
+    EXPECT_TRUE(fs::exists("/dev/stdout"));
+}
+
+}  // namespace
+}  // namespace puppetwarp::tests

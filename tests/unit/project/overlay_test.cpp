@@ -1,0 +1,60 @@
+#include <puppetwarp/project/overlay.h>
+
+#include <opencv2/core.hpp>
+
+#include <gtest/gtest.h>
+
+namespace puppetwarp {
+namespace {
+
+Image grey_picture(int type) {
+    Image image;
+    image.pixels = cv::Mat(60, 80, type,
+                           cv::Scalar::all(0.5 * (CV_MAT_DEPTH(type) == CV_8U    ? 255
+                                                  : CV_MAT_DEPTH(type) == CV_16U ? 65535
+                                                                                 : 1)));
+    return image;
+}
+
+TEST(Overlay, DrawsEdgesWhereTheyAreAndNothingElse) {
+    Eigen::MatrixX2d V(3, 2);
+    V << 10.5, 10.5, 60.5, 10.5, 10.5, 40.5;
+    Eigen::MatrixX3i F(1, 3);
+    F << 0, 1, 2;
+    for (const int type : {CV_8UC1, CV_8UC4, CV_16UC3, CV_32FC2}) {
+        const Image before = grey_picture(type);
+        Image after = grey_picture(type);
+        draw_mesh(after, V, F, {0, 0, 80, 60});
+        cv::Mat difference, any;
+        cv::absdiff(before.pixels, after.pixels, difference);
+        cv::transform(difference, any, cv::Mat::ones(1, difference.channels(), CV_32F));
+        any.convertTo(any, CV_64F);
+        EXPECT_GT(any.at<double>(10, 30), 0) << type;  // on the upper edge
+        EXPECT_GT(any.at<double>(20, 10), 0) << type;  // on the left edge
+        EXPECT_EQ(any.at<double>(16, 20), 0) << type;  // inside
+        EXPECT_EQ(any.at<double>(50, 70), 0) << type;  // outside
+    }
+}
+
+TEST(Overlay, CanvasMovesTheDrawing) {
+    Rig rig;
+    rig.handles = {{"a", PointHandle{{30, 20}, {}}}};
+    Image picture = grey_picture(CV_8UC3);
+    draw_handles(picture, rig, {}, {-20, -10, 80, 60});
+    EXPECT_NE(picture.pixels.at<cv::Vec3b>(30, 50), cv::Vec3b(128, 128, 128));
+    EXPECT_EQ(picture.pixels.at<cv::Vec3b>(20, 30), cv::Vec3b(128, 128, 128));
+}
+
+TEST(Overlay, FarPositionsAreClippedNotWrapped) {
+    Eigen::MatrixX2d V(3, 2);
+    V << 10, 30.5, 1e15, 30.5, 10, 1e300;
+    Eigen::MatrixX3i F(1, 3);
+    F << 0, 1, 2;
+    Image picture = grey_picture(CV_8UC1);
+    draw_mesh(picture, V, F, {0, 0, 80, 60});
+    EXPECT_NE(picture.pixels.at<std::uint8_t>(30, 70), 128);
+    EXPECT_EQ(picture.pixels.at<std::uint8_t>(10, 70), 128);
+}
+
+}  // namespace
+}  // namespace puppetwarp

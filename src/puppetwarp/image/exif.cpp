@@ -11,7 +11,9 @@ namespace puppetwarp {
 namespace {
 
 constexpr std::uint16_t orientation_tag = 0x0112;
+constexpr std::uint16_t x_resolution_tag = 0x011a;
 constexpr std::uint16_t short_type = 3;
+constexpr std::uint16_t rational_type = 5;
 
 class TiffBytes {
 public:
@@ -42,8 +44,8 @@ private:
     bool valid_ = false;
 };
 
-// Where the value of the orientation stands.
-std::optional<std::size_t> orientation_offset(const TiffBytes& tiff) {
+// Where an entry of the first directory stands.
+std::optional<std::size_t> entry_offset(const TiffBytes& tiff, std::uint16_t tag, std::uint16_t type) {
     if (!tiff.valid()) return std::nullopt;
     const std::size_t directory = tiff.long_at(4);
     if (!tiff.holds(directory, 2)) return std::nullopt;
@@ -51,9 +53,15 @@ std::optional<std::size_t> orientation_offset(const TiffBytes& tiff) {
     for (std::size_t i = 0; i < entries; ++i) {
         const std::size_t entry = directory + 2 + 12 * i;
         if (!tiff.holds(entry, 12)) return std::nullopt;
-        if (tiff.short_at(entry) == orientation_tag && tiff.short_at(entry + 2) == short_type) return entry + 8;
+        if (tiff.short_at(entry) == tag && tiff.short_at(entry + 2) == type) return entry;
     }
     return std::nullopt;
+}
+
+// Where the value of the orientation stands.
+std::optional<std::size_t> orientation_offset(const TiffBytes& tiff) {
+    const std::optional<std::size_t> entry = entry_offset(tiff, orientation_tag, short_type);
+    return entry ? std::optional(*entry + 8) : std::nullopt;
 }
 
 }  // namespace
@@ -70,6 +78,10 @@ int exif_orientation(std::span<const std::uint8_t> exif) {
     if (!offset) return 1;
     const int orientation = tiff.short_at(*offset);
     return orientation >= 1 && orientation <= 8 ? orientation : 1;
+}
+
+bool has_exif_resolution(std::span<const std::uint8_t> exif) {
+    return entry_offset(TiffBytes(exif), x_resolution_tag, rational_type).has_value();
 }
 
 void reset_exif_orientation(std::vector<std::uint8_t>& exif) {

@@ -25,7 +25,7 @@ constexpr std::array<FormatTraits, 9> formats = {{
      .resolution = true,
      .icc = true,
      .xmp = true},  // EXIF: libvips has no way to write that directory
-    {.name = "webp", .alpha = true, .icc = true, .exif = true, .xmp = true, .max_side_px = 16383},
+    {.name = "webp", .grey = false, .alpha = true, .icc = true, .exif = true, .xmp = true, .max_side_px = 16383},
     {.name = "exr", .alpha = true, .floats = true, .resolution = true},
     {.name = "ppm", .bits16 = true},
     {.name = "pgm", .colour = false, .bits16 = true},
@@ -54,6 +54,11 @@ std::string known_extensions() {
     std::string list;
     for (const Extension& known : extensions) list += (list.empty() ? "." : ", .") + std::string(known.extension);
     return list;
+}
+
+// How many channels the file's colours have, for its profile.
+int channels_in(const FormatTraits& format, int channels) {
+    return !format.grey ? 3 : !format.colour ? 1 : channels;
 }
 
 std::string lower(std::string text) {
@@ -92,7 +97,7 @@ std::vector<std::string> lost_in_format(const Image& image, const std::string& f
     if (image.pixels.depth() == CV_16U && !traits.bits16 && !traits.floats) lost.emplace_back("16 bits a channel");
     if (image.pixels.depth() == CV_32F && !traits.floats) lost.emplace_back("floating-point values");
     if (!metadata.icc.empty() &&
-        !(traits.icc && profile_fits(metadata.icc, traits.colour ? image.pixels.channels() : 1)))
+        !(traits.icc && profile_fits(metadata.icc, channels_in(traits, image.pixels.channels()))))
         lost.emplace_back("ICC profile");
     const bool jpeg = traits.name == "jpeg";
     if (!metadata.exif.empty() && !(traits.exif && !(jpeg && metadata.exif.size() > max_jpeg_exif_bytes)))

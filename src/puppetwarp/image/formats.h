@@ -9,6 +9,7 @@ namespace puppetwarp {
 //! What one file format can hold, as this program writes it.
 struct FormatTraits {
     std::string_view name;  //!< as `output_format` gives it
+    bool grey = true;       //!< false: grey becomes RGB
     bool colour = true;
     bool alpha = false;
     bool bits16 = false;

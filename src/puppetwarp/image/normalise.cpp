@@ -24,14 +24,13 @@ bool is_device_independent(VipsInterpretation space) {
     }
 }
 
-bool is_signed_or_complex(VipsBandFormat format) {
+bool is_known_number(VipsBandFormat format) {
     switch (format) {
         case VIPS_FORMAT_UCHAR:
         case VIPS_FORMAT_USHORT:
         case VIPS_FORMAT_UINT:
-        case VIPS_FORMAT_FLOAT:
-        case VIPS_FORMAT_DOUBLE: return false;
-        default: return true;
+        case VIPS_FORMAT_FLOAT: return true;
+        default: return false;
     }
 }
 
@@ -77,11 +76,7 @@ VipsImagePtr with_full_white(VipsImagePtr image, const std::string& name) {
 
 VipsImagePtr to_known_depth(VipsImagePtr image, const std::string& name) {
     constexpr double full_uint = 4294967295.0;
-    switch (image->BandFmt) {
-        case VIPS_FORMAT_UINT: return scaled(image, 1 / full_uint, 0, VIPS_FORMAT_FLOAT, name);
-        case VIPS_FORMAT_DOUBLE: return scaled(image, 1, 0, VIPS_FORMAT_FLOAT, name);
-        default: return image;
-    }
+    return image->BandFmt == VIPS_FORMAT_UINT ? scaled(image, 1 / full_uint, 0, VIPS_FORMAT_FLOAT, name) : std::move(image);
 }
 
 }  // namespace
@@ -101,8 +96,8 @@ NormalisedPicture normalise(VipsImagePtr image, const std::string& name) {
         image = to_srgb(image, name);
         result.recoloured = true;
     }
-    if (is_signed_or_complex(image->BandFmt)) {
-        throw InvalidInput(name, "its pixels are signed or complex numbers", "convert it to 8 bits, 16 bits or float");
+    if (!is_known_number(image->BandFmt)) {
+        throw InvalidInput(name, "its pixels are neither unsigned whole numbers nor 32-bit floats", "convert it to 8 bits, 16 bits or float");
     }
     if (image->Bands > 4) {
         throw InvalidInput(name, "it has " + std::to_string(image->Bands) + " channels",

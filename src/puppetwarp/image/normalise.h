@@ -14,7 +14,7 @@ struct NormalisedPicture {
 };
 
 //! \param name  the file, for messages.
-//! \throw InvalidInput  signed or complex numbers, more than 4 channels.
+//! \throw InvalidInput  other numbers (signed, complex), more than 4 channels.
 NormalisedPicture normalise(VipsImagePtr image, const std::string& name);
 
 }  // namespace puppetwarp

@@ -4,6 +4,7 @@
 
 #include "exif.h"
 #include "orientation.h"
+#include "png_check.h"
 
 #include <opencv2/core.hpp>
 
@@ -14,11 +15,21 @@ namespace puppetwarp {
 
 namespace {
 
+using namespace std::literals;
+
+// A TIFF's directory often stands at its end: of a truncated one libvips sees only that nobody can read it.
+bool has_tiff_signature(std::string_view signature) {
+    return signature.starts_with("II*\0"sv) || signature.starts_with("MM\0*"sv) || signature.starts_with("II+\0"sv) ||
+           signature.starts_with("MM\0+"sv);
+}
+
 VipsImagePtr open_header(const PictureFile& file) {
     const VipsSourcePtr source(vips_source_new_from_descriptor(file.descriptor()));
     if (!source) throw MachineFault(file.name(), "cannot be read: " + take_vips_error());
-    if (vips_foreign_find_load_source(source.get()) == nullptr) {
+    const char* loader = vips_foreign_find_load_source(source.get());
+    if (loader == nullptr || !is_allowed_loader(loader)) {
         take_vips_error();
+        if (has_tiff_signature(file.signature())) throw_damaged(file.name(), "");
         throw InvalidInput(file.name(), "is not a picture of a known format",
                            "use PNG, JPEG, TIFF, WebP, GIF, HEIF, AVIF, JPEG 2000, JPEG XL, EXR, HDR or PNM");
     }
@@ -56,14 +67,15 @@ ImageMetadata metadata_of(VipsImage* image) {
     const auto body = without_exif_prefix(exif);
     metadata.exif.assign(body.begin(), body.end());
     metadata.xmp = blob(image, VIPS_META_XMP_NAME);
-    // libvips says 1 pixel/mm where the file says nothing.
-    const bool known =
-        vips_image_get_typeof(image, VIPS_META_RESOLUTION_UNIT) != 0 || image->Xres != 1 || image->Yres != 1;
-    if (known && image->Xres > 0 && image->Yres > 0) {
-        metadata.x_pixels_per_mm = image->Xres;
-        metadata.y_pixels_per_mm = image->Yres;
-    }
+    metadata.x_pixels_per_mm = image->Xres;
+    metadata.y_pixels_per_mm = image->Yres;
     return metadata;
+}
+
+// Of a JFIF file (ITU-T T.871): whether its density has a unit.
+bool has_jfif_resolution(std::string_view signature) {
+    constexpr std::size_t unit_at = 13;
+    return signature.size() > unit_at && signature.substr(6, 5) == "JFIF\0"sv && signature[unit_at] != 0;
 }
 
 std::string format_name(VipsImage* image, const std::string& signature) {
@@ -127,9 +139,15 @@ cv::Mat allocate(const std::string& name, int width, int height, int type) {
 
 VipsPicture::VipsPicture(const PictureFile& file, const ReadOptions& options) : name_(file.name()) {
     require_vips();
+    // Where the file says nothing, libvips says 72 pixels an inch for these two, else 1 a millimetre.
+    bool known = !file.signature().starts_with("\xff\xd8"sv) || has_jfif_resolution(file.signature());
+    if (is_png(file)) known = require_whole_png(file).has_resolution;
     stored_ = open_header(file);
     require_size(name_, stored_->Xsize, stored_->Ysize, options);
     metadata_ = metadata_of(stored_.get());
+    known = known || has_exif_resolution(metadata_.exif);
+    if (!known || (stored_->Xres == 1 && stored_->Yres == 1) || !(stored_->Xres > 0 && stored_->Yres > 0))
+        metadata_.x_pixels_per_mm = metadata_.y_pixels_per_mm = 0;
     format_ = format_name(stored_.get(), file.signature());
     // HEIF and JPEG XL have an orientation of their own beside EXIF's; their libraries have applied it already.
     if (format_ != "heif" && format_ != "jxl") {
@@ -169,6 +187,8 @@ Image VipsPicture::decode() const {
     Image image;
     image.pixels = allocate(name_, source->Xsize, source->Ysize, CV_MAKETYPE(cv_depth(source->BandFmt), source->Bands));
     if (vips_sink_disc(source, copy_strip, &image.pixels) != 0) throw_damaged(name_, take_vips_error());
+    // PFM stores its rows from the bottom up, which libvips leaves to its caller.
+    if (format_ == "pfm") cv::flip(image.pixels, image.pixels, 0);
     image.pixels = upright(std::move(image.pixels), orientation_);
     image.metadata = metadata_;
     reset_exif_orientation(image.metadata.exif);

@@ -53,6 +53,12 @@ void require_vips() {
     static std::once_flag once;
     std::call_once(once, start);
     vips_concurrency_set(thread_count());
+    vips_error_clear();  // of what came before: some warnings of a picture that was read stay behind
+}
+
+bool is_allowed_loader(std::string_view class_name) {
+    return std::any_of(allowed_loaders.begin(), allowed_loaders.end(),
+                       [&](const char* loader) { return class_name.starts_with(loader); });
 }
 
 std::string take_vips_error() {

@@ -76,7 +76,8 @@ VipsImagePtr with_full_white(VipsImagePtr image, const std::string& name) {
 
 VipsImagePtr to_known_depth(VipsImagePtr image, const std::string& name) {
     constexpr double full_uint = 4294967295.0;
-    return image->BandFmt == VIPS_FORMAT_UINT ? scaled(image, 1 / full_uint, 0, VIPS_FORMAT_FLOAT, name) : std::move(image);
+    return image->BandFmt == VIPS_FORMAT_UINT ? scaled(image, 1 / full_uint, 0, VIPS_FORMAT_FLOAT, name)
+                                              : std::move(image);
 }
 
 }  // namespace
@@ -97,7 +98,8 @@ NormalisedPicture normalise(VipsImagePtr image, const std::string& name) {
         result.recoloured = true;
     }
     if (!is_known_number(image->BandFmt)) {
-        throw InvalidInput(name, "its pixels are neither unsigned whole numbers nor 32-bit floats", "convert it to 8 bits, 16 bits or float");
+        throw InvalidInput(name, "its pixels are neither unsigned whole numbers nor 32-bit floats",
+                           "convert it to 8 bits, 16 bits or float");
     }
     if (image->Bands > 4) {
         throw InvalidInput(name, "it has " + std::to_string(image->Bands) + " channels",

@@ -20,12 +20,23 @@ protected:
 };
 
 TEST_F(Threads, CountIsWhatWasSet) {
-    set_thread_count(3);
-    EXPECT_EQ(thread_count(), 3);
-    set_thread_count(1);
-    EXPECT_EQ(thread_count(), 1);
     set_thread_count(0);
-    EXPECT_GE(thread_count(), 1);
+    const int all = thread_count();
+    EXPECT_GE(all, 1);
+    for (int count = 1; count <= all; ++count) {
+        set_thread_count(count);
+        EXPECT_EQ(thread_count(), count);
+    }
+}
+
+TEST_F(Threads, MoreThanThereAreCoresAreAsManyAsCoresAndNobodyComplains) {
+    testing::internal::CaptureStderr();
+    set_thread_count(0);
+    const int all = thread_count();
+    set_thread_count(all + 7);
+    parallel_for(0, 100, 1, [](int, int) {});
+    EXPECT_EQ(thread_count(), all);
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 TEST_F(Threads, RangesDependOnTheGrainAlone) {

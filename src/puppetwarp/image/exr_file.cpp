@@ -85,6 +85,7 @@ public:
         const Imath::Box2i& window = header_.dataWindow();
         width_ = window.max.x - window.min.x + 1;
         height_ = window.max.y - window.min.y + 1;
+        if (width_ < 1 || height_ < 1) throw_damaged(name_, "it has no pixels");
         require_size(name_, width_, height_, options);
         find_channels();
     }

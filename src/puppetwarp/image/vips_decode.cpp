@@ -31,7 +31,7 @@ VipsImagePtr open_header(const PictureFile& file) {
         take_vips_error();
         if (has_tiff_signature(file.signature())) throw_damaged(file.name(), "");
         throw InvalidInput(file.name(), "is not a picture of a known format",
-                           "use PNG, JPEG, TIFF, WebP, GIF, HEIF, AVIF, JPEG 2000, JPEG XL, EXR, HDR or PNM");
+                           "use PNG, JPEG, TIFF, WebP, GIF, HEIF, AVIF, JPEG 2000, EXR, HDR or PNM");
     }
     VipsImage* image = vips_image_new_from_source(source.get(), "", "access", VIPS_ACCESS_SEQUENTIAL, "fail_on",
                                                   VIPS_FAIL_ON_ERROR, nullptr);
@@ -143,14 +143,15 @@ VipsPicture::VipsPicture(const PictureFile& file, const ReadOptions& options) : 
     bool known = !file.signature().starts_with("\xff\xd8"sv) || has_jfif_resolution(file.signature());
     if (is_png(file)) known = require_whole_png(file).has_resolution;
     stored_ = open_header(file);
+    if (stored_->Xsize < 1 || stored_->Ysize < 1) throw_damaged(name_, "it has no pixels");
     require_size(name_, stored_->Xsize, stored_->Ysize, options);
     metadata_ = metadata_of(stored_.get());
     known = known || has_exif_resolution(metadata_.exif);
     if (!known || (stored_->Xres == 1 && stored_->Yres == 1) || !(stored_->Xres > 0 && stored_->Yres > 0))
         metadata_.x_pixels_per_mm = metadata_.y_pixels_per_mm = 0;
     format_ = format_name(stored_.get(), file.signature());
-    // HEIF and JPEG XL have an orientation of their own beside EXIF's; their libraries have applied it already.
-    if (format_ != "heif" && format_ != "jxl") {
+    // HEIF has an orientation of its own beside EXIF's; its library has applied it already.
+    if (format_ != "heif") {
         orientation_ =
             std::clamp(integer(stored_.get(), VIPS_META_ORIENTATION, exif_orientation(metadata_.exif)), 1, 8);
     }

@@ -14,17 +14,19 @@ namespace puppetwarp {
 namespace {
 
 // What reads plain pictures. All else is blocked: what libvips marks as meant for documents, scripts, vector graphics
-// and microscopes has no business in front of a stranger's file, and OpenEXR files are read by OpenEXR itself.
-constexpr std::array<const char*, 10> allowed_loaders = {
+// and microscopes has no business in front of a stranger's file; libjxl prints on standard error, past every handler;
+// and OpenEXR files are read by OpenEXR itself.
+constexpr std::array<const char*, 9> allowed_loaders = {
     "VipsForeignLoadPng",  "VipsForeignLoadJpeg", "VipsForeignLoadTiff", "VipsForeignLoadWebp", "VipsForeignLoadNsgif",
-    "VipsForeignLoadHeif", "VipsForeignLoadJp2k", "VipsForeignLoadJxl",  "VipsForeignLoadPpm",  "VipsForeignLoadRad"};
+    "VipsForeignLoadHeif", "VipsForeignLoadJp2k", "VipsForeignLoadPpm",  "VipsForeignLoadRad"};
 
 void swallow(const gchar*, GLogLevelFlags, const gchar*, gpointer) {}
 
 void start() {
-    // Libraries below libvips warn through GLib, under libvips' domain or none; a library must not print.
+    // A library must not print; libvips and what it stands on warn through GLib.
     constexpr auto levels = static_cast<GLogLevelFlags>(static_cast<int>(G_LOG_LEVEL_MASK) & ~G_LOG_LEVEL_ERROR);
-    g_log_set_handler("VIPS", levels, swallow, nullptr);
+    for (const char* domain : {"VIPS", "GLib", "GLib-GObject", "GLib-GIO"})
+        g_log_set_handler(domain, levels, swallow, nullptr);
     g_log_set_handler(nullptr, levels, swallow, nullptr);
     if (vips_init("puppetwarp") != 0) throw MachineFault("libvips", "does not start: " + take_vips_error());
     // A file that changed must never meet the pixels it had before.

@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <climits>
 #include <cstdlib>
 #include <cstring>
@@ -64,10 +65,23 @@ std::string reason_of(int error) {
                        error == ENOSPC || error == EDQUOT ? "free some space; the old file is unchanged" : "");
 }
 
-// Follows symbolic links by hand up to a file that may not exist yet; std::filesystem::canonical wants it to exist.
+// The number N of `/dev/fd/N` and `/proc/self/fd/N`, else -1. Such a name stands for what is open already: whoever
+// opened it goes on writing to that very file, so it must be neither replaced nor written from its start.
+int named_descriptor(const fs::path& path) {
+    const fs::path folder = path.parent_path();
+    if (folder != "/proc/self/fd" && folder != "/dev/fd") return -1;
+    const std::string name = path.filename().string();
+    int number = -1;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+    return error == std::errc() && end == name.data() + name.size() ? number : -1;
+}
+
+// Follows symbolic links by hand up to a file that may not exist yet (std::filesystem::canonical wants it to exist),
+// or to the name of an open descriptor.
 fs::path followed(fs::path path) {
     for (int depth = 0; depth < 40; ++depth) {
         std::error_code error;
+        if (named_descriptor(path) >= 0) return path;
         if (!fs::is_symlink(fs::symlink_status(path, error))) return path;
         const fs::path link = fs::read_symlink(path, error);
         if (error) return path;
@@ -101,6 +115,11 @@ OutputFile::OutputFile(const fs::path& target) : target_(target) {
         return;
     }
     resolved_ = followed(target);
+    if (const int number = named_descriptor(resolved_); number >= 0) {
+        descriptor_ = ::fcntl(number, F_DUPFD_CLOEXEC, 0);
+        if (descriptor_ < 0) throw InvalidInput(target.string(), "is not open");
+        return;
+    }
     struct stat status {};
     const bool exists = ::stat(resolved_.c_str(), &status) == 0;
     if (exists && S_ISDIR(status.st_mode)) throw InvalidInput(target.string(), "is a folder", "name a file");
@@ -168,6 +187,15 @@ void OutputFile::commit() {
     withdraw(slot_);
     slot_ = -1;
     temporary_.clear();
+}
+
+bool OutputFile::is_stream(const fs::path& target) {
+    if (target == "-") return true;
+    const fs::path path = followed(target);
+    if (named_descriptor(path) >= 0) return true;
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
 }
 
 void OutputFile::remove_temporaries() noexcept {

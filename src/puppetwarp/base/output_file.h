@@ -8,7 +8,8 @@ namespace puppetwarp {
 
 //! A file that appears whole or not at all: written beside its target, synced, then renamed over it by `commit()`.
 //! A symbolic link is followed, permissions of an existing file are kept. A target that exists and is not a regular
-//! file (`/dev/stdout`, a pipe) is written directly. Without `commit()` the target stays as it was.
+//! file (a pipe, a terminal) is written directly, and so is an open descriptor named by path (`/dev/stdout`,
+//! `/dev/fd/3`), even where it leads to a file. Without `commit()` the target stays as it was.
 class OutputFile {
 public:
     //! \param target  where the file shall be; `-` is standard output.
@@ -28,6 +29,9 @@ public:
     void write(std::string_view bytes);
     //! Syncs and renames. At most once; nothing may be written afterwards. \throw MachineFault  as `write`.
     void commit();
+
+    //! Whether this target is written directly, piece by piece: `-`, `/dev/stdout`, pipes, devices.
+    static bool is_stream(const std::filesystem::path& target);
 
     //! Removes the temporary files of all unfinished OutputFiles of this process. Async-signal-safe.
     static void remove_temporaries() noexcept;

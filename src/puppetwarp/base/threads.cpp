@@ -9,7 +9,8 @@
 namespace puppetwarp {
 
 void set_thread_count(int count) {
-    cv::setNumThreads(count > 0 ? count : -1);
+    // OpenCV's task library prints a warning when it is asked for more threads than there are cores.
+    cv::setNumThreads(count > 0 ? std::min(count, cv::getNumberOfCPUs()) : -1);
 }
 
 int thread_count() {

@@ -4,8 +4,8 @@
 
 namespace puppetwarp {
 
-//! Sets how many threads all of puppetwarp's parallel loops in this process use; 0 or less: all cores.
-//! Results do not depend on it, to the bit.
+//! Sets how many threads all of puppetwarp's parallel loops in this process use, at most one a core; 0 or less: all
+//! cores. Results do not depend on it, to the bit.
 void set_thread_count(int count);
 
 //! How many threads parallel loops use now, at least 1.

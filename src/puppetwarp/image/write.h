@@ -9,17 +9,18 @@
 namespace puppetwarp {
 
 struct WriteOptions {
-    int compression = 1;  //!< of lossless formats, 0 (fast) to 9 (small)
-    int quality = 95;     //!< of JPEG and lossy formats, 1 to 100
+    int compression =
+        1;             //!< of PNG, WebP (lossless always) and EXR, 0 (fast) to 9 (small); TIFF: 0 stored, else Deflate
+    int quality = 95;  //!< of JPEG, 1 to 100; chroma keeps its full resolution from 90 on
 };
 
-//! The file formats that can be written, by extension: png, jpg/jpeg, tif/tiff, webp, ppm/pgm/pnm/pfm, exr, ...
-//! `-` and paths that exist and are not regular files (`/dev/stdout`) are PNG.
+//! The file formats that can be written, by extension: png, jpg/jpeg/jpe, tif/tiff, webp, exr, ppm/pgm/pnm/pfm.
+//! What `OutputFile` writes directly (`-`, `/dev/stdout`, pipes, devices) is PNG.
 //! \throw InvalidInput  unknown extension (names the known ones).
 std::string output_format(const std::filesystem::path& path);
 
 //! What of this picture a file format cannot hold, each as a phrase for a person ("alpha", "16 bits a channel",
-//! "EXIF"); empty when everything is kept.
+//! "EXIF"); empty when everything is kept. Alpha that is full everywhere is nothing to lose.
 std::vector<std::string> lost_in_format(const Image& image, const std::string& format);
 
 //! Writes a picture in the format of the path's extension with its depth, alpha and metadata, whole or not at all

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <puppetwarp/base/output_file.h>
+
+#include <opencv2/core/mat.hpp>
+
+#include <string_view>
+
+namespace puppetwarp {
+
+//! Portable pixmaps: `pfm` from CV_32F, the others from CV_8U or CV_16U; 1 or 3 channels. Grey into `ppm` becomes RGB.
+void write_pnm(const cv::Mat& pixels, std::string_view format, OutputFile& file);
+
+}  // namespace puppetwarp

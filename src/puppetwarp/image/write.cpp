@@ -1,0 +1,69 @@
+#include <puppetwarp/image/write.h>
+
+#include <puppetwarp/base/errors.h>
+#include <puppetwarp/base/output_file.h>
+
+#include "convert.h"
+#include "exr_file.h"
+#include "formats.h"
+#include "jpeg_writer.h"
+#include "png_writer.h"
+#include "pnm_writer.h"
+#include "tiff_writer.h"
+#include "webp_writer.h"
+
+#include <algorithm>
+#include <string>
+
+namespace puppetwarp {
+
+namespace {
+
+void require_options(const WriteOptions& options) {
+    if (options.compression < 0 || options.compression > 9)
+        throw InvalidInput("compression " + std::to_string(options.compression), "is not between 0 and 9");
+    if (options.quality < 1 || options.quality > 100)
+        throw InvalidInput("quality " + std::to_string(options.quality), "is not between 1 and 100");
+}
+
+void require_picture(const Image& image, const std::string& name) {
+    const int depth = image.pixels.depth();
+    if (image.pixels.empty() || image.pixels.channels() > 4 || (depth != CV_8U && depth != CV_16U && depth != CV_32F))
+        throw InvalidInput(name, "there is no picture of 1 to 4 channels to write");
+}
+
+void require_side(const Image& image, const FormatTraits& format, const std::string& name) {
+    if (format.max_side_px == 0 || std::max(image.width(), image.height()) <= format.max_side_px) return;
+    throw InvalidInput(name,
+                       "the picture has " + std::to_string(image.width()) + " x " + std::to_string(image.height()) +
+                           " pixels, and " + std::string(format.name) + " ends at " +
+                           std::to_string(format.max_side_px),
+                       "choose another format");
+}
+
+}  // namespace
+
+void write_image(const Image& image, const std::filesystem::path& path, const WriteOptions& options) {
+    const FormatTraits& format = format_traits(output_format(path));
+    require_options(options);
+    require_picture(image, path.string());
+    require_side(image, format, path.string());
+    OutputFile file(path);
+    const cv::Mat pixels = fit_to_format(image.pixels, format);
+    if (format.name == "png") {
+        write_png(pixels, image.metadata, options, file);
+    } else if (format.name == "jpeg") {
+        write_jpeg(pixels, image.metadata, options, file);
+    } else if (format.name == "tiff") {
+        write_tiff(pixels, image.metadata, options, file);
+    } else if (format.name == "webp") {
+        write_webp(pixels, image.metadata, options, file);
+    } else if (format.name == "exr") {
+        write_exr(pixels, image.metadata, options, file);
+    } else {
+        write_pnm(pixels, format.name, file);
+    }
+    file.commit();
+}
+
+}  // namespace puppetwarp

@@ -53,7 +53,7 @@ Scene make_scene(int megapixels, int thousand_triangles, int channels) {
     const int width = height * 3 / 2;
     Scene scene;
     scene.image.pixels = textured(width, height, channels);
-    const int n = static_cast<int>(std::lround(std::sqrt(thousand_triangles * 500.0)));
+    const int n = thousand_triangles ? static_cast<int>(std::lround(std::sqrt(thousand_triangles * 500.0))) : 4;
     scene.mesh.V.resize((n + 1) * (n + 1), 2);
     scene.mesh.F.resize(2 * n * n, 3);
     scene.moved.resize(scene.mesh.V.rows(), 2);

@@ -7,15 +7,12 @@ namespace puppetwarp::detail {
 
 namespace {
 
-constexpr double longest_step_px = 1 << 29;  // keeps u + count * du inside 64 bits
+// Up to this slope (2^14 source pixels a pixel) rounding moves a sample by less than a pixel.
+constexpr double steepest_sound_slope = 1 << 14;
 
 // Slivers have maps without a single valid digit; what they give must still lie in their triangle. NaN becomes `low`.
 double within(double value, double low, double high) {
     return !(value > low) ? low : value < high ? value : high;
-}
-
-std::int64_t fixed_point(double value) {
-    return static_cast<std::int64_t>(value * fixed_one);
 }
 
 }  // namespace
@@ -38,11 +35,14 @@ FaceMap::FaceMap(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, int tr
     jacobian_ << c.x() * b.y() - d.x() * a.y(), d.x() * a.x() - c.x() * b.x(),  //
         c.y() * b.y() - d.y() * a.y(), d.y() * a.x() - c.y() * b.x();
     jacobian_ *= area == 0 ? 0 : 1 / area;
+    ill_conditioned_ = !(jacobian_.lpNorm<Eigen::Infinity>() <= steepest_sound_slope);
     rest_low_ = q.cwiseMin(q1).cwiseMin(q2).array() - 1;
     rest_high_ = q.cwiseMax(q1).cwiseMax(q2).array() + 1;
 }
 
 int FaceMap::samples() const {
+    // The Frobenius norm bounds the largest singular value from above.
+    if (jacobian_.squaredNorm() <= single_sample_limit * single_sample_limit) return 1;
     const double same = std::hypot(jacobian_(0, 0) + jacobian_(1, 1), jacobian_(1, 0) - jacobian_(0, 1));
     const double opposite = std::hypot(jacobian_(0, 0) - jacobian_(1, 1), jacobian_(1, 0) + jacobian_(0, 1));
     const double largest_stretch = (same + opposite) / 2;
@@ -50,22 +50,18 @@ int FaceMap::samples() const {
     return static_cast<int>(std::ceil(std::min<double>(largest_stretch, most_samples)));
 }
 
-Run FaceMap::run(const Eigen::Vector2d& centre, double step, int count) const {
-    Eigen::Vector2d first = rest_from_moved(centre);
-    Eigen::Vector2d slope = jacobian_.col(0) * step;
-    const Eigen::Vector2d last = first + slope * (count - 1);
-    const auto inside = [&](const Eigen::Vector2d& p) {
-        return (p.array() >= rest_low_).all() && (p.array() <= rest_high_).all();
-    };
-    if (!inside(first) || !inside(last)) {
-        for (int axis = 0; axis < 2; ++axis) {
-            first[axis] = within(first[axis], rest_low_[axis], rest_high_[axis]);
-            slope[axis] = count == 1 ? 0
-                                     : (within(last[axis], rest_low_[axis], rest_high_[axis]) - first[axis]) / (count - 1);
-        }
+Run FaceMap::clamped_run(double x, double y, double step, int count) const {
+    std::int64_t start[2], slope[2];
+    for (int axis = 0; axis < 2; ++axis) {
+        const auto at = [&](double px) {
+            const double moved = jacobian_(axis, 0) * (px - anchor_.x()) + jacobian_(axis, 1) * (y - anchor_.y());
+            return within(rest_anchor_[axis] + moved, rest_low_[axis], rest_high_[axis]);
+        };
+        const double first = at(x), last = at(x + step * (count - 1));
+        start[axis] = fixed_point(first - 0.5);
+        slope[axis] = count == 1 ? 0 : fixed_point((last - first) / (count - 1));
     }
-    const auto step_of = [](double s) { return fixed_point(within(s, -longest_step_px, longest_step_px)); };
-    return {fixed_point(first.x() - 0.5), fixed_point(first.y() - 0.5), step_of(slope.x()), step_of(slope.y()), count};
+    return {start[0], start[1], slope[0], slope[1], count};
 }
 
 }  // namespace puppetwarp::detail

@@ -25,14 +25,22 @@ public:
     //! Samples along each axis that a pixel needs so that shrinking does not alias, 1 to 4.
     int samples() const;
 
-    //! \param centre  of the first pixel, in image space.
-    //! \param count   pixels, each `step` further right.
-    Run run(const Eigen::Vector2d& centre, double step, int count) const;
+    //! \param x,y    centre of the first pixel, in image space.
+    //! \param step   from one pixel to the next.
+    Run run(double x, double y, double step, int count) const {
+        if (ill_conditioned_) return clamped_run(x, y, step, count);
+        const double dx = x - anchor_.x(), dy = y - anchor_.y();
+        return {fixed_point(rest_anchor_.x() + (jacobian_(0, 0) * dx + jacobian_(0, 1) * dy) - 0.5),
+                fixed_point(rest_anchor_.y() + (jacobian_(1, 0) * dx + jacobian_(1, 1) * dy) - 0.5),
+                fixed_point(jacobian_(0, 0) * step), fixed_point(jacobian_(1, 0) * step), count};
+    }
 
 private:
-    Eigen::Vector2d rest_from_moved(const Eigen::Vector2d& p) const { return rest_anchor_ + jacobian_ * (p - anchor_); }
+    static std::int64_t fixed_point(double value) { return static_cast<std::int64_t>(value * fixed_one); }
+    Run clamped_run(double x, double y, double step, int count) const;
 
     bool is_copy_ = false;
+    bool ill_conditioned_ = false;
     Eigen::Vector2i shift_ = Eigen::Vector2i::Zero();
     Eigen::Vector2d anchor_, rest_anchor_;  // a corner, moved and at rest: differences to it keep their digits
     Eigen::Matrix2d jacobian_;

@@ -25,10 +25,6 @@ Painter::Painter(const cv::Mat& pixels, const PixelFormat& format, const Triangl
       spans_(spans), canvas_(options.canvas), interpolation_(options.interpolation),
       sample_(find_run_sampler(format, options.interpolation, simd, source_)), ops_(find_pixel_ops(format)), out_(out) {}
 
-Eigen::Vector2d Painter::centre(int row, int column) const {
-    return {static_cast<double>(canvas_.x) + column + 0.5, static_cast<double>(canvas_.y) + row + 0.5};
-}
-
 // What `fill` writes goes straight into the picture, or over what is there.
 template <class Fill>
 void Painter::lay(int row, int first, int count, Scratch& scratch, const Fill& fill) const {
@@ -44,7 +40,7 @@ void Painter::lay(int row, int first, int count, Scratch& scratch, const Fill& f
 void Painter::sample_span(const FaceMap& map, int row, int first, int last, Scratch& scratch) const {
     for (int x = first; x < last; x += longest_run) {
         const int count = std::min(longest_run, last - x);
-        const Run run = map.run(centre(row, x), 1, count);
+        const Run run = map.run(centre_x(x), centre_y(row), 1, count);
         lay(row, x, count, scratch, [&](void* pixels) { sample_(source_, run, pixels); });
     }
 }
@@ -56,8 +52,8 @@ void Painter::supersample_span(const FaceMap& map, int samples, int row, int fir
         const int count = std::min(longest_run, last - x);
         std::fill_n(scratch.sums.data(), 4 * count, 0.0);
         for (int k = 0; k < samples; ++k) {
-            const Eigen::Vector2d start = centre(row, x) + Eigen::Vector2d((step - 1) / 2, (k + 0.5) * step - 0.5);
-            sample_(source_, map.run(start, step, samples * count), scratch.samples.data());
+            const double x_first = centre_x(x) + (step - 1) / 2, y = centre_y(row) + (k + 0.5) * step - 0.5;
+            sample_(source_, map.run(x_first, y, step, samples * count), scratch.samples.data());
             ops_.add_samples(scratch.samples.data(), count, samples, scratch.sums.data());
         }
         lay(row, x, count, scratch,

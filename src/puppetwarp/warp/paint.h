@@ -28,7 +28,8 @@ private:
     void supersample_span(const FaceMap& map, int samples, int row, int first, int last, Scratch& scratch) const;
     template <class Fill>
     void lay(int row, int first, int count, Scratch& scratch, const Fill& fill) const;
-    Eigen::Vector2d centre(int row, int column) const;
+    double centre_x(int column) const { return static_cast<double>(canvas_.x) + column + 0.5; }
+    double centre_y(int row) const { return static_cast<double>(canvas_.y) + row + 0.5; }
 
     SourceView source_;
     PixelFormat format_;

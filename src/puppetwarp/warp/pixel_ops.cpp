@@ -53,12 +53,29 @@ void copy(const SourceView& source, std::int64_t x, std::int64_t y, int count, v
     }
 }
 
+// Eight bytes at a time: this looks at every pixel that is painted. All pixels with alpha have 2, 4, 8 or 16 bytes.
 template <class T, int C>
 bool any_alpha(const void* pixels, int count) {
-    const T* p = static_cast<const T*>(pixels);
-    bool any = false;
-    for (int i = 0; i < count; ++i) any |= p[C * i + C - 1] != T{};
-    return any;
+    constexpr std::size_t words_a_pixel = (sizeof(T) * C + 7) / 8;
+    constexpr std::size_t channels = 8 * words_a_pixel / sizeof(T);
+    std::uint64_t mask[words_a_pixel], any[words_a_pixel] = {};
+    std::memset(mask, 0, sizeof(mask));
+    for (std::size_t i = C - 1; i < channels; i += C) {
+        std::memset(reinterpret_cast<unsigned char*>(mask) + i * sizeof(T), 0xff, sizeof(T));
+    }
+    const auto* bytes = static_cast<const unsigned char*>(pixels);
+    const std::size_t size = sizeof(T) * C * static_cast<std::size_t>(count);
+    std::size_t i = 0;
+    for (; i + sizeof(mask) <= size; i += sizeof(mask)) {
+        std::uint64_t words[words_a_pixel];
+        std::memcpy(words, bytes + i, sizeof(words));
+        for (std::size_t k = 0; k < words_a_pixel; ++k) any[k] |= words[k];
+    }
+    std::uint64_t tail[words_a_pixel] = {};
+    std::memcpy(tail, bytes + i, size - i);
+    std::uint64_t found = 0;
+    for (std::size_t k = 0; k < words_a_pixel; ++k) found |= (any[k] | tail[k]) & mask[k];
+    return found != 0;
 }
 
 template <class T, int C>

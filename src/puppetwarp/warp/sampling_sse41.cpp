@@ -158,29 +158,43 @@ struct BilinearKernel {
 };
 
 template <int C, bool AddsAlpha>
-void bilinear_inside(const SourceView& source, const Run& run, std::uint8_t* out, RunSampler scalar) {
-    constexpr int out_channels = C + AddsAlpha;
-    const BilinearKernel<C> kernel{source.data, source.step};
-    const __m128i step = _mm_set1_epi32(static_cast<int>(source.step));
-    FourPositions positions(run, 3);
-    for (int i = 0; i < run.count; i += 4, positions.advance()) {
-        const int count = run.count - i < 4 ? run.count - i : 4;
-        if (count < 4) positions = FourPositions(part(run, i, run.count), count - 1);
-        const auto corners = kernel.load(Offsets::at<C>(positions, step));
+struct BilinearInside {
+    static constexpr int out_channels = C + AddsAlpha;
+    const SourceView& source;
+    const Run& run;
+    std::uint8_t* out;
+
+    // Pixels first .. first + count - 1.
+    void group(const FourPositions& positions, int first, int count) const {
+        const BilinearKernel<C> kernel{source.data, source.step};
+        const auto corners = kernel.load(Offsets::at<C>(positions, _mm_set1_epi32(static_cast<int>(source.step))));
         if (kernel.opaque(corners)) {
-            store_pixels<C, AddsAlpha>(kernel.blend(corners, positions), out + out_channels * i, count);
+            store_pixels<C, AddsAlpha>(kernel.blend(corners, positions), out + out_channels * first, count);
         } else {
-            scalar(source, part(run, i, i + count), out + out_channels * i);
+            scalar_sampler<C, AddsAlpha>(Interpolation::bilinear)(source, part(run, first, first + count),
+                                                                  out + out_channels * first);
         }
     }
-}
+
+    void all() const {
+        FourPositions positions(run, 3);
+        int i = 0;
+        for (; i + 4 <= run.count; i += 4, positions.advance()) group(positions, i, 4);
+        if (i == run.count) return;
+        if (run.count < 4) {
+            group(FourPositions(run, run.count - 1), 0, run.count);
+        } else {
+            // The last four once more, overlapping: the same positions, the same bytes.
+            group(FourPositions(part(run, run.count - 4, run.count), 3), run.count - 4, 4);
+        }
+    }
+};
 
 template <int C, bool AddsAlpha>
 void sample_bilinear(const SourceView& source, const Run& run, void* out) {
-    const PixelFormat format{CV_8U, C, AddsAlpha};
-    const RunSampler scalar = find_scalar_sampler(format, Interpolation::bilinear);
-    sample_in_parts<C, AddsAlpha, BilinearKernel<C>>(source, run, static_cast<std::uint8_t*>(out), scalar,
-                                                     bilinear_inside<C, AddsAlpha>);
+    sample_in_parts<C, AddsAlpha, BilinearKernel<C>>(
+        Interpolation::bilinear, source, run, static_cast<std::uint8_t*>(out),
+        [&](const Run& inside, std::uint8_t* to) { BilinearInside<C, AddsAlpha>{source, inside, to}.all(); });
 }
 
 // Four neighbouring pixels of a row in bytes, 4 each.
@@ -241,7 +255,7 @@ struct BicubicKernel {
 };
 
 template <int C, bool AddsAlpha>
-void bicubic_inside(const SourceView& source, const Run& run, std::uint8_t* out, RunSampler scalar) {
+void bicubic_inside(const SourceView& source, const Run& run, std::uint8_t* out) {
     constexpr int out_channels = C + AddsAlpha;
     const std::int16_t* table = cubic_weight_table();
     const auto weights = [&](std::int64_t u) {
@@ -252,7 +266,7 @@ void bicubic_inside(const SourceView& source, const Run& run, std::uint8_t* out,
         const std::uint8_t* p = source.data + ((v >> 32) - 1) * static_cast<std::int64_t>(source.step) + C * ((u >> 32) - 1);
         const auto rows = BicubicKernel<C>::load(p, source.step);
         if (!BicubicKernel<C>::opaque(rows)) {
-            scalar(source, part(run, i, i + 1), out + out_channels * i);
+            scalar_sampler<C, AddsAlpha>(Interpolation::bicubic)(source, part(run, i, i + 1), out + out_channels * i);
             continue;
         }
         __m128i pixel = BicubicKernel<C>::blend(rows, weights(u), weights(v));
@@ -263,10 +277,9 @@ void bicubic_inside(const SourceView& source, const Run& run, std::uint8_t* out,
 
 template <int C, bool AddsAlpha>
 void sample_bicubic(const SourceView& source, const Run& run, void* out) {
-    const PixelFormat format{CV_8U, C, AddsAlpha};
-    const RunSampler scalar = find_scalar_sampler(format, Interpolation::bicubic);
-    sample_in_parts<C, AddsAlpha, BicubicKernel<C>>(source, run, static_cast<std::uint8_t*>(out), scalar,
-                                                    bicubic_inside<C, AddsAlpha>);
+    sample_in_parts<C, AddsAlpha, BicubicKernel<C>>(
+        Interpolation::bicubic, source, run, static_cast<std::uint8_t*>(out),
+        [&](const Run& inside, std::uint8_t* to) { bicubic_inside<C, AddsAlpha>(source, inside, to); });
 }
 
 template <int C, bool AddsAlpha>

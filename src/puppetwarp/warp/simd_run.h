@@ -25,18 +25,27 @@ struct Inside {
     }
 };
 
-// The middle of a run lies inside, as the picture is convex: that part goes to `inside`, the ends to `scalar`.
-template <int C, bool AddsAlpha, class Kernel, class InsideSampler>
-void sample_in_parts(const SourceView& source, const Run& run, std::uint8_t* out, RunSampler scalar,
-                     InsideSampler inside_sampler) {
+template <int C, bool AddsAlpha>
+RunSampler scalar_sampler(Interpolation interpolation) {
+    return find_scalar_sampler({CV_8U, C, AddsAlpha}, interpolation);
+}
+
+// The middle of a run lies inside, as the picture is convex: that part goes to `sample_inside`, the ends to scalar code.
+template <int C, bool AddsAlpha, class Kernel, class SampleInside>
+void sample_in_parts(Interpolation interpolation, const SourceView& source, const Run& run, std::uint8_t* out,
+                     const SampleInside& sample_inside) {
     constexpr int out_channels = C + AddsAlpha;
     const Inside<C, Kernel> inside(source);
     int first = 0, last = run.count;
     while (first < last && !inside(run.u + first * run.du, run.v + first * run.dv)) ++first;
     while (first < last && !inside(run.u + (last - 1) * run.du, run.v + (last - 1) * run.dv)) --last;
-    if (first > 0) scalar(source, part(run, 0, first), out);
-    if (first < last) inside_sampler(source, part(run, first, last), out + out_channels * first, scalar);
-    if (last < run.count) scalar(source, part(run, last, run.count), out + out_channels * last);
+    const auto sample_end = [&](int begin, int end) {
+        if (begin == end) return;
+        scalar_sampler<C, AddsAlpha>(interpolation)(source, part(run, begin, end), out + out_channels * begin);
+    };
+    sample_end(0, first);
+    if (first < last) sample_inside(part(run, first, last), out + out_channels * first);
+    sample_end(last, run.count);
 }
 
 }  // namespace

@@ -128,9 +128,8 @@ void bench_warp(benchmark::State& state) {
     options.interpolation = static_cast<Interpolation>(filter);
     double warp_s = 1e9;
     for (auto _ : state) {
-        const double s = best_seconds(1, [&] {
-            benchmark::DoNotOptimize(warp(scene.image, scene.mesh, scene.moved, options).pixels.data);
-        });
+        const double s = best_seconds(
+            1, [&] { benchmark::DoNotOptimize(warp(scene.image, scene.mesh, scene.moved, options).pixels.data); });
         warp_s = std::min(warp_s, s);
     }
     const double pixels = static_cast<double>(scene.image.pixels.total());

@@ -72,7 +72,9 @@ struct Position {
     std::uint32_t fx, fy;
 
     Position(std::int64_t u, std::int64_t v)
-        : x(static_cast<int>(u >> 32)), y(static_cast<int>(v >> 32)), fx(static_cast<std::uint32_t>(u)),
+        : x(static_cast<int>(u >> 32)),
+          y(static_cast<int>(v >> 32)),
+          fx(static_cast<std::uint32_t>(u)),
           fy(static_cast<std::uint32_t>(v)) {}
 };
 
@@ -84,7 +86,9 @@ struct Taps {
 
     //! \param first_x,first_y  of the first tap.
     Taps(const SourceView& source, int first_x, int first_y) {
-        const auto at = [&](int y) { return reinterpret_cast<const T*>(source.data + static_cast<std::size_t>(y) * source.step); };
+        const auto at = [&](int y) {
+            return reinterpret_cast<const T*>(source.data + static_cast<std::size_t>(y) * source.step);
+        };
         for (int k = 0; k < N; ++k) {
             row[k] = at(std::clamp(first_y + k, 0, source.height - 1));
             column[k] = C * std::clamp(first_x + k, 0, source.width - 1);
@@ -153,7 +157,8 @@ struct Bicubic {
         for (int c = 0; c < C; ++c) {
             int sum = 0;
             for (int k = 0; k < 4; ++k) {
-                const int column = tap(0, k)[c] * wy[0] + tap(1, k)[c] * wy[1] + tap(2, k)[c] * wy[2] + tap(3, k)[c] * wy[3];
+                const int column =
+                    tap(0, k)[c] * wy[0] + tap(1, k)[c] * wy[1] + tap(2, k)[c] * wy[2] + tap(3, k)[c] * wy[3];
                 sum += ((column + 128) >> 8) * wx[k];
             }
             out[c] = static_cast<std::uint8_t>(std::clamp((sum + (1 << 19)) >> 20, 0, 255));
@@ -163,7 +168,8 @@ struct Bicubic {
     struct Weights {
         float w0, w2, w3;
         explicit Weights(float f)
-            : w0(((-0.5F * f + 1.0F) * f - 0.5F) * f), w2(((-1.5F * f + 2.0F) * f + 0.5F) * f),
+            : w0(((-0.5F * f + 1.0F) * f - 0.5F) * f),
+              w2(((-1.5F * f + 2.0F) * f + 0.5F) * f),
               w3((0.5F * f - 0.5F) * f * f) {}
         Four operator()(Four p0, Four p1, Four p2, Four p3) const {
             return p1 + (p0 - p1) * w0 + (p2 - p1) * w2 + (p3 - p1) * w3;

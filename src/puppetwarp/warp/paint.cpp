@@ -21,9 +21,16 @@ struct Painter::Scratch {
 Painter::Painter(const cv::Mat& pixels, const PixelFormat& format, const TriangleMesh& rest,
                  const Eigen::MatrixX2d& moved, const SnappedMesh& spans, const WarpOptions& options, Simd simd,
                  cv::Mat& out)
-    : source_{pixels.data, pixels.step[0], pixels.cols, pixels.rows}, format_(format), rest_(rest), moved_(moved),
-      spans_(spans), canvas_(options.canvas), interpolation_(options.interpolation),
-      sample_(find_run_sampler(format, options.interpolation, simd, source_)), ops_(find_pixel_ops(format)), out_(out) {}
+    : source_{pixels.data, pixels.step[0], pixels.cols, pixels.rows},
+      format_(format),
+      rest_(rest),
+      moved_(moved),
+      spans_(spans),
+      canvas_(options.canvas),
+      interpolation_(options.interpolation),
+      sample_(find_run_sampler(format, options.interpolation, simd, source_)),
+      ops_(find_pixel_ops(format)),
+      out_(out) {}
 
 // What `fill` writes goes straight into the picture, or over what is there.
 template <class Fill>

@@ -14,8 +14,8 @@ namespace puppetwarp::detail {
 // Position. (u, v) = position - 0.5, so that whole numbers are pixel centres, in 32.32 fixed point; pixel i of a run
 // lies at (u + i du, v + i dv), exactly. x = floor(u), f = u - x, of which each filter takes the leading bits.
 //
-// Taps. `nearest`: the pixel at floor(u + 1/2); `bilinear`: x, x + 1; `bicubic`: x - 1 .. x + 2, Catmull-Rom (a = -1/2).
-// Columns and rows outside the picture repeat its border. A picture with alpha also fades there: its alpha is
+// Taps. `nearest`: the pixel at floor(u + 1/2); `bilinear`: x, x + 1; `bicubic`: x - 1 .. x + 2, Catmull-Rom (a =
+// -1/2). Columns and rows outside the picture repeat its border. A picture with alpha also fades there: its alpha is
 // multiplied by clamp(1 - 2 d) for the distance d of the position to the picture's rectangle, each axis on its own
 // (`nearest`: by 0 outside). So inside its rectangle a picture never turns translucent, a subject cut off by the border
 // is not smeared, and a copied pixel (d = 1/2) and its sampled neighbour meet.
@@ -72,7 +72,8 @@ enum class Simd { scalar, sse41, avx2 };
 Simd best_simd();
 
 //! The sampler for a format; the widest one there is up to `simd`. \param source  decides what SIMD can address.
-RunSampler find_run_sampler(const PixelFormat& format, Interpolation interpolation, Simd simd, const SourceView& source);
+RunSampler find_run_sampler(const PixelFormat& format, Interpolation interpolation, Simd simd,
+                            const SourceView& source);
 
 //! The portable sampler.
 RunSampler find_scalar_sampler(const PixelFormat& format, Interpolation interpolation);

@@ -192,9 +192,11 @@ struct BilinearInside {
 
 template <int C, bool AddsAlpha>
 void sample_bilinear(const SourceView& source, const Run& run, void* out) {
-    sample_in_parts<C, AddsAlpha, BilinearKernel<C>>(
-        Interpolation::bilinear, source, run, static_cast<std::uint8_t*>(out),
-        [&](const Run& inside, std::uint8_t* to) { BilinearInside<C, AddsAlpha>{source, inside, to}.all(); });
+    sample_in_parts<C, AddsAlpha, BilinearKernel<C>>(Interpolation::bilinear, source, run,
+                                                     static_cast<std::uint8_t*>(out),
+                                                     [&](const Run& inside, std::uint8_t* to) {
+                                                         BilinearInside<C, AddsAlpha>{source, inside, to}.all();
+                                                     });
 }
 
 // Four neighbouring pixels of a row in bytes, 4 each.
@@ -216,7 +218,8 @@ struct BicubicKernel {
     };
 
     static Rows load(const std::uint8_t* p, std::size_t step) {
-        return {{four_pixels<C>(p), four_pixels<C>(p + step), four_pixels<C>(p + 2 * step), four_pixels<C>(p + 3 * step)}};
+        return {
+            {four_pixels<C>(p), four_pixels<C>(p + step), four_pixels<C>(p + 2 * step), four_pixels<C>(p + 3 * step)}};
     }
 
     static bool opaque(const Rows& rows) {
@@ -242,10 +245,10 @@ struct BicubicKernel {
         const __m128i weights_x = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(wx));
         const __m128i weights_y = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(wy));
         const __m128i y01 = _mm_shuffle_epi32(weights_y, 0x00), y23 = _mm_shuffle_epi32(weights_y, 0x55);
-        const __m128i columns01 = column_sums(_mm_unpacklo_epi8(rows.of[0], rows.of[1]),
-                                              _mm_unpacklo_epi8(rows.of[2], rows.of[3]), y01, y23);
-        const __m128i columns23 = column_sums(_mm_unpackhi_epi8(rows.of[0], rows.of[1]),
-                                              _mm_unpackhi_epi8(rows.of[2], rows.of[3]), y01, y23);
+        const __m128i columns01 =
+            column_sums(_mm_unpacklo_epi8(rows.of[0], rows.of[1]), _mm_unpacklo_epi8(rows.of[2], rows.of[3]), y01, y23);
+        const __m128i columns23 =
+            column_sums(_mm_unpackhi_epi8(rows.of[0], rows.of[1]), _mm_unpackhi_epi8(rows.of[2], rows.of[3]), y01, y23);
         const __m128i pairs01 = _mm_unpacklo_epi16(columns01, _mm_unpackhi_epi64(columns01, columns01));
         const __m128i pairs23 = _mm_unpacklo_epi16(columns23, _mm_unpackhi_epi64(columns23, columns23));
         const __m128i sum = _mm_add_epi32(_mm_madd_epi16(pairs01, _mm_shuffle_epi32(weights_x, 0x00)),
@@ -258,12 +261,11 @@ template <int C, bool AddsAlpha>
 void bicubic_inside(const SourceView& source, const Run& run, std::uint8_t* out) {
     constexpr int out_channels = C + AddsAlpha;
     const std::int16_t* table = cubic_weight_table();
-    const auto weights = [&](std::int64_t u) {
-        return table + 4 * (((static_cast<std::uint32_t>(u) >> 21) + 1) >> 1);
-    };
+    const auto weights = [&](std::int64_t u) { return table + 4 * (((static_cast<std::uint32_t>(u) >> 21) + 1) >> 1); };
     std::int64_t u = run.u, v = run.v;
     for (int i = 0; i < run.count; ++i, u += run.du, v += run.dv) {
-        const std::uint8_t* p = source.data + ((v >> 32) - 1) * static_cast<std::int64_t>(source.step) + C * ((u >> 32) - 1);
+        const std::uint8_t* p =
+            source.data + ((v >> 32) - 1) * static_cast<std::int64_t>(source.step) + C * ((u >> 32) - 1);
         const auto rows = BicubicKernel<C>::load(p, source.step);
         if (!BicubicKernel<C>::opaque(rows)) {
             scalar_sampler<C, AddsAlpha>(Interpolation::bicubic)(source, part(run, i, i + 1), out + out_channels * i);

@@ -30,7 +30,8 @@ RunSampler scalar_sampler(Interpolation interpolation) {
     return find_scalar_sampler({CV_8U, C, AddsAlpha}, interpolation);
 }
 
-// The middle of a run lies inside, as the picture is convex: that part goes to `sample_inside`, the ends to scalar code.
+// The middle of a run lies inside, as the picture is convex: that part goes to `sample_inside`, the ends to scalar
+// code.
 template <int C, bool AddsAlpha, class Kernel, class SampleInside>
 void sample_in_parts(Interpolation interpolation, const SourceView& source, const Run& run, std::uint8_t* out,
                      const SampleInside& sample_inside) {

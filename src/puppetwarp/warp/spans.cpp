@@ -15,7 +15,9 @@ constexpr int coverage_band_rows = 64;
 class CoverageBits {
 public:
     CoverageBits(RowRange rows, int width)
-        : first_row_(rows.first), width_(width), words_a_row_((static_cast<std::size_t>(width) + 63) / 64),
+        : first_row_(rows.first),
+          width_(width),
+          words_a_row_((static_cast<std::size_t>(width) + 63) / 64),
           words_(words_a_row_ * static_cast<std::size_t>(rows.last - rows.first)) {}
 
     void set(int row, int first, int last) {

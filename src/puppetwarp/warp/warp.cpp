@@ -26,7 +26,7 @@ constexpr std::array<std::pair<std::string_view, Interpolation>, 3> interpolatio
 constexpr double farthest_moved_px = 1 << 30;
 constexpr double farthest_rest_px = 1 << 28;
 
-constexpr int band_rows = 32;              // of a picture 8000 px wide they fit into the second cache
+constexpr int band_rows = 32;  // of a picture 8000 px wide they fit into the second cache
 constexpr int pixels_between_reports = 1 << 21;
 
 [[maybe_unused]] bool is_picture(const cv::Mat& pixels) {
@@ -87,8 +87,10 @@ cv::Mat allocated(const Canvas& canvas, int type) {
         ask_for_huge_pages(pixels);
         return pixels;
     } catch (const cv::Exception&) {
-        throw MachineFault("canvas", "there is not enough memory for " + std::to_string(canvas.width) + " x " +
-                                         std::to_string(canvas.height) + " pixels", "choose a smaller canvas");
+        throw MachineFault("canvas",
+                           "there is not enough memory for " + std::to_string(canvas.width) + " x " +
+                               std::to_string(canvas.height) + " pixels",
+                           "choose a smaller canvas");
     }
 }
 
@@ -169,12 +171,14 @@ Canvas grown_canvas(int width, int height, const Eigen::MatrixX2d& moved) {
     }
     for (int axis = 0; axis < 2; ++axis) {
         if (!whole_number_fits(low[axis]) || !whole_number_fits(high[axis])) {
-            throw InvalidInput("canvas", "the moved positions reach too far", "move the handles less, or give a canvas");
+            throw InvalidInput("canvas", "the moved positions reach too far",
+                               "move the handles less, or give a canvas");
         }
     }
     const Eigen::Array2d size = high - low;
     require_possible(static_cast<std::int64_t>(size.x()), static_cast<std::int64_t>(size.y()));
-    return {static_cast<int>(low.x()), static_cast<int>(low.y()), static_cast<int>(size.x()), static_cast<int>(size.y())};
+    return {static_cast<int>(low.x()), static_cast<int>(low.y()), static_cast<int>(size.x()),
+            static_cast<int>(size.y())};
 }
 
 }  // namespace puppetwarp

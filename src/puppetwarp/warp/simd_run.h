@@ -37,6 +37,11 @@ void sample_in_parts(Interpolation interpolation, const SourceView& source, cons
                      const SampleInside& sample_inside) {
     constexpr int out_channels = C + AddsAlpha;
     const Inside<C, Kernel> inside(source);
+    const std::int64_t last_u = run.u + (run.count - 1) * run.du, last_v = run.v + (run.count - 1) * run.dv;
+    if (inside(run.u, run.v) && inside(last_u, last_v)) {
+        sample_inside(run, out);
+        return;
+    }
     int first = 0, last = run.count;
     while (first < last && !inside(run.u + first * run.du, run.v + first * run.dv)) ++first;
     while (first < last && !inside(run.u + (last - 1) * run.du, run.v + (last - 1) * run.dv)) --last;

@@ -8,10 +8,14 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
-#include <map>
+#include <string>
+#include <vector>
 
 namespace {
 
@@ -44,8 +48,8 @@ Eigen::Vector2d displaced(double x, double y, int width, int height) {
     const double u = x / width - 0.5, v = y / height - 0.5;
     // Outwards at the border, so that the whole canvas is covered.
     const double fade = std::cos(M_PI * u) * std::cos(M_PI * v);
-    return {x * 1.0 + fade * width * (0.03 * std::sin(6 * v + 1) + 0.02 * std::sin(9 * u)) + 4 * u,
-            y * 1.0 + fade * height * (0.03 * std::cos(5 * u) + 0.015 * std::sin(8 * v)) + 4 * v};
+    return {x + fade * width * (0.03 * std::sin(6 * v + 1) + 0.02 * std::sin(9 * u)) + 4 * u,
+            y + fade * height * (0.03 * std::cos(5 * u) + 0.015 * std::sin(8 * v)) + 4 * v};
 }
 
 Scene make_scene(int megapixels, int thousand_triangles, int channels) {
@@ -53,7 +57,7 @@ Scene make_scene(int megapixels, int thousand_triangles, int channels) {
     const int width = height * 3 / 2;
     Scene scene;
     scene.image.pixels = textured(width, height, channels);
-    const int n = thousand_triangles ? static_cast<int>(std::lround(std::sqrt(thousand_triangles * 500.0))) : 4;
+    const int n = static_cast<int>(std::lround(std::sqrt(thousand_triangles * 500.0)));
     scene.mesh.V.resize((n + 1) * (n + 1), 2);
     scene.mesh.F.resize(2 * n * n, 3);
     scene.moved.resize(scene.mesh.V.rows(), 2);

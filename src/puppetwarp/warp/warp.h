@@ -39,7 +39,8 @@ struct WarpOptions {
 //! Where a triangle shrinks by more than 1.5, a pixel is the mean of up to 4 x 4 samples (not for `nearest`).
 //! The same bytes for any number of threads.
 //! \param moved  #V x 2 positions of the vertices of `rest`.
-//! \throw InvalidInput  positions that are not finite or not one for each vertex; a triangle that names a missing vertex;
+//! \throw InvalidInput  positions that are not finite or not one for each vertex; a triangle that names a missing
+//! vertex;
 //!        a canvas of more than 2^31 - 1 pixels, of no size along one axis, or more than 2^30 px away.
 //! \throw MachineFault  not enough memory for the canvas.
 Image warp(const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const WarpOptions& options,

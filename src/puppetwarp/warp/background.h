@@ -20,6 +20,7 @@ Background background_from_name(std::string_view name);
 //! Lays a warped picture over a background.
 //! \param original  the picture before the warp, for `keep`: shown where the canvas meets it.
 //! \param canvas    which part of image space `warped` shows.
+//! Grey pictures stay grey: a colour is laid down as its luma.
 //! The result has alpha only where the background leaves a pixel translucent somewhere.
 Image lay_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas);
 

@@ -35,15 +35,21 @@ struct WarpOptions {
 //! the order of their indices, later ones over earlier ones; flipped ones are not drawn. Sampling is
 //! premultiplied; where a triangle moves by whole pixels its pixels are copied. Pixels that no triangle covers are
 //! transparent: the output has alpha when the input has, or when some output pixel is uncovered.
+//! Beyond its border a picture without alpha repeats its outermost pixels; one with alpha fades out over half a pixel.
+//! Where a triangle shrinks by more than 1.5, a pixel is the mean of up to 4 x 4 samples (not for `nearest`).
 //! The same bytes for any number of threads.
 //! \param moved  #V x 2 positions of the vertices of `rest`.
-//! \throw InvalidInput  positions that are not finite; a canvas of more than 2^31 - 1 pixels.
+//! \throw InvalidInput  positions that are not finite or not one for each vertex; a triangle that names a missing
+//! vertex;
+//!        a canvas of more than 2^31 - 1 pixels, of no size along one axis, or more than 2^30 px away.
+//! \throw MachineFault  not enough memory for the canvas.
 Image warp(const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const WarpOptions& options,
            Progress& progress);
 Image warp(const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved,
            const WarpOptions& options = {});
 
-//! The smallest canvas that holds the source's own and all moved positions. \throw InvalidInput  not finite.
+//! The smallest canvas that holds the source's own and all moved positions, but for a solver's noise of 5e-5 px.
+//! \throw InvalidInput  positions that are not finite, or that ask for more than `warp` can do.
 Canvas grown_canvas(int width, int height, const Eigen::MatrixX2d& moved);
 
 }  // namespace puppetwarp

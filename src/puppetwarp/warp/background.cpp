@@ -1,0 +1,189 @@
+#include <puppetwarp/warp/background.h>
+
+#include <puppetwarp/base/errors.h>
+#include <puppetwarp/base/threads.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace puppetwarp {
+
+namespace {
+
+constexpr int band_rows = 32;
+
+int hex_digit(char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+    return -1;
+}
+
+// Straight colour and alpha of one pixel, in the picture's own numbers.
+struct Colour {
+    double channel[3] = {};
+    double alpha = 0;
+};
+
+template <class T>
+struct Depth {
+    static constexpr double full = std::is_floating_point_v<T> ? 1.0 : static_cast<double>(static_cast<T>(-1));
+
+    static T rounded(double value) {
+        if constexpr (std::is_floating_point_v<T>) {
+            return static_cast<T>(value);
+        } else {
+            return static_cast<T>(std::clamp(value + 0.5, 0.0, full));
+        }
+    }
+
+    static Colour load(const T* p, int channels) {
+        Colour colour;
+        const int colours = channels <= 2 ? 1 : 3;
+        for (int c = 0; c < colours; ++c) colour.channel[c] = p[c];
+        colour.alpha = channels % 2 == 0 ? static_cast<double>(p[channels - 1]) : full;
+        return colour;
+    }
+
+    static void store(const Colour& colour, int channels, T* p) {
+        const int colours = channels <= 2 ? 1 : 3;
+        for (int c = 0; c < colours; ++c) p[c] = rounded(colour.channel[c]);
+        if (channels % 2 == 0) p[channels - 1] = rounded(colour.alpha);
+    }
+};
+
+Colour over(const Colour& front, const Colour& back, double full) {
+    if (front.alpha >= full || back.alpha <= 0) return front;
+    if (front.alpha <= 0) return back;
+    const double front_weight = front.alpha * full, back_weight = back.alpha * (full - front.alpha);
+    const double weight = front_weight + back_weight;
+    Colour result;
+    for (int c = 0; c < 3; ++c) {
+        result.channel[c] = (front.channel[c] * front_weight + back.channel[c] * back_weight) / weight;
+    }
+    result.alpha = weight / full;
+    return result;
+}
+
+template <class T>
+class Layers {
+public:
+    Layers(const Background& background, const Image& warped, const Image& original, const Canvas& canvas)
+        : kept_(background.kind == Background::Kind::keep),
+          warped_(warped.pixels),
+          original_(original.pixels),
+          canvas_(canvas) {
+        const auto& rgba = background.rgba;
+        const bool grey = warped_.channels() <= 2;
+        // Grey stays grey: a colour gives its luma.
+        const double luma = 0.299 * rgba[0] + 0.587 * rgba[1] + 0.114 * rgba[2];
+        for (std::size_t c = 0; c < 3; ++c) flat_.channel[c] = as_stored(grey ? luma : rgba[c]);
+        flat_.alpha = as_stored(rgba[3]);
+    }
+
+    // Whether every pixel ends with full alpha.
+    bool opaque() const {
+        std::atomic<bool> all = true;
+        parallel_for(0, warped_.rows, band_rows, [&](int first, int last) {
+            for (int y = first; y < last && all.load(std::memory_order_relaxed); ++y) {
+                if (!opaque_row(y)) all = false;
+            }
+        });
+        return all;
+    }
+
+    cv::Mat flattened(bool with_alpha) const {
+        const int channels = warped_.channels() - (with_alpha ? 0 : 1);
+        cv::Mat out(warped_.rows, warped_.cols, CV_MAKETYPE(warped_.depth(), channels));
+        parallel_for(0, out.rows, band_rows, [&](int first, int last) {
+            for (int y = first; y < last; ++y) flatten_row(y, out.ptr<T>(y), channels);
+        });
+        return out;
+    }
+
+private:
+    using D = Depth<T>;
+
+    static double as_stored(double share) { return D::rounded(std::clamp(share, 0.0, 1.0) * D::full); }
+
+    // What stands behind pixel (x, y) of the canvas.
+    Colour behind(int x, int y) const {
+        if (!kept_) return flat_;
+        const std::int64_t column = std::int64_t{x} + canvas_.x, row = std::int64_t{y} + canvas_.y;
+        if (column < 0 || row < 0 || column >= original_.cols || row >= original_.rows) return {};
+        const int channels = original_.channels();
+        return D::load(original_.ptr<T>(static_cast<int>(row)) + column * channels, channels);
+    }
+
+    bool opaque_row(int y) const {
+        const int channels = warped_.channels();
+        const T* p = warped_.ptr<T>(y);
+        for (int x = 0; x < warped_.cols; ++x, p += channels) {
+            if (p[channels - 1] >= static_cast<T>(D::full)) continue;
+            if (D::rounded(over(D::load(p, channels), behind(x, y), D::full).alpha) < static_cast<T>(D::full))
+                return false;
+        }
+        return true;
+    }
+
+    void flatten_row(int y, T* to, int channels) const {
+        const int from_channels = warped_.channels();
+        const T* from = warped_.ptr<T>(y);
+        for (int x = 0; x < warped_.cols; ++x, from += from_channels, to += channels) {
+            if (from[from_channels - 1] >= static_cast<T>(D::full)) {
+                std::copy_n(from, channels, to);
+            } else {
+                D::store(over(D::load(from, from_channels), behind(x, y), D::full), channels, to);
+            }
+        }
+    }
+
+    bool kept_;
+    const cv::Mat& warped_;
+    const cv::Mat& original_;
+    Canvas canvas_;
+    Colour flat_;
+};
+
+template <class T>
+cv::Mat laid_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas) {
+    const Layers<T> layers(background, warped, original, canvas);
+    return layers.flattened(!layers.opaque());
+}
+
+}  // namespace
+
+Background background_from_name(std::string_view name) {
+    if (name == "transparent") return {};
+    if (name == "keep") return {Background::Kind::keep, {}};
+    std::vector<int> digits;
+    if (!name.empty() && name[0] == '#') {
+        for (char c : name.substr(1)) digits.push_back(hex_digit(c));
+    }
+    const bool is_colour = (digits.size() == 6 || digits.size() == 8) &&
+                           std::all_of(digits.begin(), digits.end(), [](int digit) { return digit >= 0; });
+    if (!is_colour) {
+        throw InvalidInput("background '" + std::string(name) + "'", "unknown",
+                           "choose transparent, keep, #rrggbb or #rrggbbaa");
+    }
+    Background background{Background::Kind::colour, {1, 1, 1, 1}};
+    for (std::size_t k = 0; k + 1 < digits.size(); k += 2) {
+        background.rgba[k / 2] = (16 * digits[k] + digits[k + 1]) / 255.0;
+    }
+    return background;
+}
+
+Image lay_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas) {
+    if (background.kind == Background::Kind::transparent || !warped.has_alpha()) return warped;
+    switch (warped.pixels.depth()) {
+        case CV_8U: return {laid_over<std::uint8_t>(background, warped, original, canvas), warped.metadata};
+        case CV_16U: return {laid_over<std::uint16_t>(background, warped, original, canvas), warped.metadata};
+        default: return {laid_over<float>(background, warped, original, canvas), warped.metadata};
+    }
+}
+
+}  // namespace puppetwarp

@@ -1,0 +1,67 @@
+#include <puppetwarp/warp/face_map.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace puppetwarp::detail {
+
+namespace {
+
+// Up to this slope (2^14 source pixels a pixel) rounding moves a sample by less than a pixel.
+constexpr double steepest_sound_slope = 1 << 14;
+
+// Slivers have maps without a single valid digit; what they give must still lie in their triangle. NaN becomes `low`.
+double within(double value, double low, double high) {
+    return !(value > low) ? low : value < high ? value : high;
+}
+
+}  // namespace
+
+FaceMap::FaceMap(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, int triangle) {
+    const Eigen::Vector3i face = rest.F.row(triangle);
+    const Eigen::Vector2d p = moved.row(face[0]), q = rest.V.row(face[0]);
+    const Eigen::Vector2d p1 = moved.row(face[1]), q1 = rest.V.row(face[1]);
+    const Eigen::Vector2d p2 = moved.row(face[2]), q2 = rest.V.row(face[2]);
+    const Eigen::Vector2d offset = (p - q).array().round();
+    const auto off = [&](const Eigen::Vector2d& to, const Eigen::Vector2d& from) {
+        return (to - from - offset).lpNorm<Eigen::Infinity>();
+    };
+    is_copy_ = std::max({off(p, q), off(p1, q1), off(p2, q2)}) <= translation_tolerance_px;
+    shift_ = offset.cast<int>();
+    anchor_ = p;
+    rest_anchor_ = q;
+    const Eigen::Vector2d a = p1 - p, b = p2 - p, c = q1 - q, d = q2 - q;
+    const double area = a.x() * b.y() - a.y() * b.x();
+    jacobian_ << c.x() * b.y() - d.x() * a.y(), d.x() * a.x() - c.x() * b.x(),  //
+        c.y() * b.y() - d.y() * a.y(), d.y() * a.x() - c.y() * b.x();
+    jacobian_ *= area == 0 ? 0 : 1 / area;
+    ill_conditioned_ = !(jacobian_.lpNorm<Eigen::Infinity>() <= steepest_sound_slope);
+    rest_low_ = q.cwiseMin(q1).cwiseMin(q2).array() - 1;
+    rest_high_ = q.cwiseMax(q1).cwiseMax(q2).array() + 1;
+}
+
+int FaceMap::samples() const {
+    // The Frobenius norm bounds the largest singular value from above.
+    if (jacobian_.squaredNorm() <= single_sample_limit * single_sample_limit) return 1;
+    const double same = std::hypot(jacobian_(0, 0) + jacobian_(1, 1), jacobian_(1, 0) - jacobian_(0, 1));
+    const double opposite = std::hypot(jacobian_(0, 0) - jacobian_(1, 1), jacobian_(1, 0) + jacobian_(0, 1));
+    const double largest_stretch = (same + opposite) / 2;
+    if (!(largest_stretch > single_sample_limit)) return 1;
+    return static_cast<int>(std::ceil(std::min<double>(largest_stretch, most_samples)));
+}
+
+Run FaceMap::clamped_run(double x, double y, double step, int count) const {
+    std::int64_t start[2], slope[2];
+    for (int axis = 0; axis < 2; ++axis) {
+        const auto at = [&](double px) {
+            const double moved = jacobian_(axis, 0) * (px - anchor_.x()) + jacobian_(axis, 1) * (y - anchor_.y());
+            return within(rest_anchor_[axis] + moved, rest_low_[axis], rest_high_[axis]);
+        };
+        const double first = at(x), last = at(x + step * (count - 1));
+        start[axis] = fixed_point(first - 0.5);
+        slope[axis] = count == 1 ? 0 : fixed_point((last - first) / (count - 1));
+    }
+    return {start[0], start[1], slope[0], slope[1], count};
+}
+
+}  // namespace puppetwarp::detail

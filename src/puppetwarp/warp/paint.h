@@ -1,0 +1,46 @@
+#pragma once
+
+#include <puppetwarp/base/image.h>
+#include <puppetwarp/warp/face_map.h>
+#include <puppetwarp/warp/pixel_ops.h>
+#include <puppetwarp/warp/spans.h>
+
+namespace puppetwarp::detail {
+
+//! `warp` with the instruction set chosen: all give the same bytes, and tests check that.
+Image warp_with(Simd simd, const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved,
+                const WarpOptions& options, Progress& progress);
+
+//! Paints the triangles of a mesh, band by band. Keeps references to what it is made from.
+class Painter {
+public:
+    //! \param pixels  the source; \param out the canvas' pixels: allocated, of the format's output type.
+    Painter(const cv::Mat& pixels, const PixelFormat& format, const TriangleMesh& rest, const Eigen::MatrixX2d& moved,
+            const SnappedMesh& spans, const WarpOptions& options, Simd simd, cv::Mat& out);
+
+    //! Paints rows of the canvas. Different bands may be painted by different threads at a time.
+    void paint(RowRange band) const;
+
+private:
+    struct Scratch;
+    void paint_triangle(int triangle, RowRange band, Scratch& scratch) const;
+    void sample_span(const FaceMap& map, int row, int first, int last, Scratch& scratch) const;
+    void supersample_span(const FaceMap& map, int samples, int row, int first, int last, Scratch& scratch) const;
+    template <class Fill>
+    void lay(int row, int first, int count, Scratch& scratch, const Fill& fill) const;
+    double centre_x(int column) const { return static_cast<double>(canvas_.x) + column + 0.5; }
+    double centre_y(int row) const { return static_cast<double>(canvas_.y) + row + 0.5; }
+
+    SourceView source_;
+    PixelFormat format_;
+    const TriangleMesh& rest_;
+    const Eigen::MatrixX2d& moved_;
+    const SnappedMesh& spans_;
+    Canvas canvas_;
+    Interpolation interpolation_;
+    RunSampler sample_;
+    PixelOps ops_;
+    cv::Mat& out_;
+};
+
+}  // namespace puppetwarp::detail

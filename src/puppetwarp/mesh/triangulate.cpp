@@ -6,11 +6,9 @@
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_mesh_face_base_2.h>
 #include <CGAL/Delaunay_mesh_size_criteria_2.h>
-#include <CGAL/Delaunay_mesh_vertex_base_2.h>
 #include <CGAL/Delaunay_mesher_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
-#include <CGAL/lloyd_optimize_mesh_2.h>
 
 #include <Eigen/Geometry>
 
@@ -18,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,7 +26,7 @@ namespace puppetwarp {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<int, Kernel, CGAL::Delaunay_mesh_vertex_base_2<Kernel>>;
+using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<int, Kernel>;
 using Triangles = CGAL::Triangulation_data_structure_2<VertexBase, CGAL::Delaunay_mesh_face_base_2<Kernel>>;
 using Cdt = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Triangles, CGAL::Exact_predicates_tag>;
 using Criteria = CGAL::Delaunay_mesh_size_criteria_2<Cdt>;
@@ -97,12 +96,8 @@ public:
     void refine(const std::vector<Point>& outside) {
         for (const Point& point : outside) seeds_.emplace_back(point.x(), point.y());
         refine_once();
-        if (options_.optimize_iterations > 0) {
-            CGAL::lloyd_optimize_mesh_2(cdt_, CGAL::parameters::max_iteration_number = options_.optimize_iterations,
-                                        CGAL::parameters::seeds_begin = seeds_.begin(),
-                                        CGAL::parameters::seeds_end = seeds_.end());
-            refine_once();  // moved vertices may have made edges longer than allowed
-        }
+        for (int round = 0; round < options_.optimize_iterations; ++round) smooth_once();
+        if (options_.optimize_iterations > 0) refine_once();  // for edges that grew longer than allowed
         while (split_long_edges()) refine_once();
     }
 
@@ -150,6 +145,38 @@ private:
         do {
             if (cdt_.number_of_vertices() > most) refuse_size(options_.max_vertices);
         } while (mesher.try_one_step_refine_mesh());
+    }
+
+    // Moves each vertex inside to the centroid of the triangles around it. CGAL's own Lloyd optimisation moves vertices
+    // in the order of their addresses, which would make a mesh differ from run to run.
+    void smooth_once() {
+        std::vector<std::pair<Cdt::Vertex_handle, Cdt::Point>> moves;
+        for (const Cdt::Vertex_handle vertex : cdt_.finite_vertex_handles()) {
+            if (const auto centroid = centroid_around(vertex)) moves.emplace_back(vertex, *centroid);
+        }
+        for (const auto& [vertex, target] : moves) {
+            cdt_.remove(vertex);
+            cdt_.insert(target);
+        }
+        Mesher::mark_facets(cdt_, seeds_.begin(), seeds_.end(), false);
+    }
+
+    // None for vertices that must stay where they are.
+    std::optional<Cdt::Point> centroid_around(Cdt::Vertex_handle vertex) const {
+        if (cdt_.are_there_incident_constraints(vertex)) return std::nullopt;
+        double x = 0, y = 0, area = 0;
+        Cdt::Face_circulator face = cdt_.incident_faces(vertex);
+        const Cdt::Face_circulator last = face;
+        do {
+            if (cdt_.is_infinite(face) || !face->is_in_domain()) return std::nullopt;
+            const Cdt::Point &a = face->vertex(0)->point(), &b = face->vertex(1)->point(),
+                             &c = face->vertex(2)->point();
+            const double weight = CGAL::area(a, b, c);
+            x += weight * (a.x() + b.x() + c.x()) / 3;
+            y += weight * (a.y() + b.y() + c.y()) / 3;
+            area += weight;
+        } while (++face != last);
+        return Cdt::Point(x / area, y / area);
     }
 
     // The mesher spares triangles beside small input angles; the length is promised for those too.

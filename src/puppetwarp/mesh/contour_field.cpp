@@ -1,7 +1,9 @@
 #include <puppetwarp/mesh/contour_field.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cstring>
+#include <new>
 
 namespace puppetwarp {
 
@@ -29,7 +31,7 @@ private:
 
 Crossing crossing_between(const ContourField& field, int i, int j, std::uint8_t way) {
     const float in = field.row(j)[i];
-    const float out = field.row(j + grid_steps[way][1])[i + grid_steps[way][0]];
+    const float out = ContourField::value(field.row(j + grid_steps[way][1])[i + grid_steps[way][0]]);
     return {i, j, way, in / (in - out)};
 }
 
@@ -59,6 +61,16 @@ Contour follow(const ContourField& field, int i, int j, NodeMarks& marks) {
     return contour;
 }
 
+// Whether eight nodes are surely on the same side as the one before them.
+bool eight_like(std::int8_t before, const std::int8_t* nodes) {
+    constexpr std::uint64_t top_bits = 0x8080808080808080U;
+    std::uint64_t eight = 0;
+    std::memcpy(&eight, nodes, sizeof(eight));
+    const std::uint64_t negative = eight & top_bits;
+    if (before <= 0) return eight == 0 || negative == top_bits;
+    return negative == 0 && ((eight + ~top_bits) & top_bits) == top_bits;
+}
+
 }  // namespace
 
 ContourField::ContourField(double x0, double y0, int columns, int rows)
@@ -66,8 +78,10 @@ ContourField::ContourField(double x0, double y0, int columns, int rows)
       y0_(y0),
       columns_(columns),
       rows_(rows),
-      values_(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), -scale) {
+      values_(
+          static_cast<std::int8_t*>(std::calloc(static_cast<std::size_t>(rows), static_cast<std::size_t>(columns)))) {
     assert(columns >= 3 && rows >= 3);
+    if (!values_) throw std::bad_alloc();
 }
 
 Point crossing_point(const ContourField& field, const Crossing& crossing, double at) {
@@ -82,19 +96,14 @@ std::vector<Contour> trace_contours(const ContourField& field) {
         const std::int8_t* row = field.row(j);
         int i = 1;
         while (i + 1 < field.columns()) {
-            // Eight nodes at a time where they and the one before are on the same side.
-            std::uint64_t eight = 0;
-            if (i + 8 < field.columns()) {
-                std::memcpy(&eight, row + i, sizeof(eight));
-                const std::uint64_t signs = eight & 0x8080808080808080U;
-                if (signs == (row[i - 1] > 0 ? 0U : 0x8080808080808080U)) {
-                    i += 8;
-                    continue;
-                }
+            if (i + 8 < field.columns() && eight_like(row[i - 1], row + i)) {
+                i += 8;
+                continue;
             }
             const int end = std::min(i + 8, field.columns() - 1);
             for (; i < end; ++i) {
-                if (row[i - 1] < 0 && row[i] > 0 && !marks.marked(i, j)) contours.push_back(follow(field, i, j, marks));
+                if (row[i - 1] <= 0 && row[i] > 0 && !marks.marked(i, j))
+                    contours.push_back(follow(field, i, j, marks));
             }
         }
     }

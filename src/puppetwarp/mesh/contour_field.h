@@ -4,36 +4,42 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
+#include <memory>
 #include <vector>
 
 namespace puppetwarp {
 
-//! A sampled function whose zero set is wanted: positive inside, one signed byte a node, never 0, so that every
-//! contour crosses grid edges strictly between nodes and contours can neither touch nor miss a node's side.
-//! Node (i, j) stands at (x0 + i, y0 + j). The outermost nodes are outside.
+//! A sampled function whose zero set is wanted: one signed byte a node, positive inside, negative outside, 0 far
+//! outside. Every contour crosses grid edges strictly between nodes, so that contours never touch.
+//! Node (i, j) stands at (x0 + i, y0 + j). The outermost nodes are outside. Memory that is never written to is never
+//! taken: most of a picture is far outside.
 class ContourField {
 public:
     static constexpr int scale = 127;  //!< the stored value of 1
 
-    //! All nodes outside.  \pre columns, rows at least 3
+    //! All nodes far outside.  \pre columns, rows at least 3
     ContourField(double x0, double y0, int columns, int rows);
 
     int columns() const { return columns_; }
     int rows() const { return rows_; }
     double x0() const { return x0_; }
     double y0() const { return y0_; }
-    std::int8_t* row(int j) {
-        return values_.data() + static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_);
-    }
+    std::int8_t* row(int j) { return values_.get() + static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_); }
     const std::int8_t* row(int j) const {
-        return values_.data() + static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_);
+        return values_.get() + static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_);
     }
     bool inside(int i, int j) const { return row(j)[i] > 0; }
+    //! What a stored value stands for: far outside counts as one unit outside.
+    static std::int8_t value(std::int8_t stored) { return stored == 0 ? -scale : stored; }
 
 private:
     double x0_, y0_;
     int columns_, rows_;
-    std::vector<std::int8_t> values_;
+    struct Free {
+        void operator()(std::int8_t* values) const { std::free(values); }
+    };
+    std::unique_ptr<std::int8_t[], Free> values_;
 };
 
 //! One place where a contour crosses a grid edge.

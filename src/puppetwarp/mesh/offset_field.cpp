@@ -104,7 +104,7 @@ void stamp(ContourField& field, const Piece& piece, int first, int last) {
     for (int j = from(piece.a.y(), piece.b.y(), first); j < bottom; ++j) {
         std::int8_t* row = field.row(j);
         for (int i = left; i < right; ++i) {
-            if (inwards ? row[i] < 0 : row[i] == 127) continue;
+            if (inwards ? row[i] <= 0 : row[i] == 127) continue;
             const double dx = i - piece.a.x(), dy = j - piece.a.y();
             const double t = std::clamp((dx * edge.x() + dy * edge.y()) * inverse, 0.0, 1.0);
             const double ex = dx - t * edge.x(), ey = dy - t * edge.y();
@@ -114,7 +114,7 @@ void stamp(ContourField& field, const Piece& piece, int first, int last) {
             if (inwards) {
                 row[i] = std::min(row[i], stored(grown + std::sqrt(squared)));
             } else {
-                row[i] = std::max(row[i], stored(grown - std::sqrt(squared)));
+                row[i] = std::max(ContourField::value(row[i]), stored(grown - std::sqrt(squared)));
             }
         }
     }
@@ -199,10 +199,13 @@ void fill_offset(ContourField& field, const std::vector<GrownPolygon>& silhouett
 }
 
 void unite(ContourField& field, const ContourField& other) {
-    for (int j = 0; j < field.rows(); ++j) {
-        std::int8_t* row = field.row(j);
+    const int column = static_cast<int>(other.x0() - field.x0()), first_row = static_cast<int>(other.y0() - field.y0());
+    for (int j = 0; j < other.rows(); ++j) {
+        std::int8_t* row = field.row(first_row + j) + column;
         const std::int8_t* more = other.row(j);
-        for (int i = 0; i < field.columns(); ++i) row[i] = std::max(row[i], more[i]);
+        for (int i = 0; i < other.columns(); ++i) {
+            if (more[i] != 0) row[i] = std::max(ContourField::value(row[i]), more[i]);
+        }
     }
 }
 

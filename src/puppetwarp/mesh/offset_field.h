@@ -17,7 +17,7 @@ struct GrownPolygon {
 //! one unit of the boundary, clamped beyond. Everything in the field's coordinates.
 void fill_offset(ContourField& field, const std::vector<GrownPolygon>& silhouette);
 
-//! Makes `field` the union of itself and `other`, which has the same nodes.
+//! Makes `field` the union of itself and `other`, whose nodes are some of its own.
 void unite(ContourField& field, const ContourField& other);
 
 //! The radius that each point of a support silhouette needs, so that the squares of the covered pixels beside it lie

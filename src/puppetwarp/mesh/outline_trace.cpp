@@ -9,9 +9,12 @@
 #include <puppetwarp/mesh/simplify.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cassert>
 #include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
 
 namespace puppetwarp {
 
@@ -23,7 +26,7 @@ namespace {
 class OutlineTracer {
 public:
     OutlineTracer(const MatteReader& matte, const cv::Rect& support, const OutlineOptions& options)
-        : matte_(matte), options_(options) {
+        : matte_(matte), support_(support), options_(options) {
         // Far growth has no fine detail: coarser nodes, an exact power of two of pixels apart.
         while (options.expand_px > 64 * spacing_) spacing_ *= 2;
         const double reach = std::max(options.expand_px / spacing_, 2.0) + 3;
@@ -63,13 +66,41 @@ private:
             grown.back().radii.assign(grown.back().points.size(), options_.expand_px);
         }
         fill_offset(field, in_nodes(std::move(grown)));
-        if (rows_with_uncovered(field).empty()) return field;
-        ContourField support = new_field();
-        const std::vector<Polyline> silhouette = trace_silhouette(matte_, SilhouetteLevel::support);
-        fill_offset(support, in_nodes(radii_for_support(silhouette, matte_, tolerance() + 0.02)));
-        unite(field, support);
-        for (const int y : rows_with_uncovered(field)) cover_row(field, y);
+        const std::vector<cv::Rect> tiles = tiles_with_uncovered(field);
+        std::vector<std::optional<ContourField>> additions(tiles.size());
+        parallel_for(0, static_cast<int>(tiles.size()), 1, [&](int first, int last) {
+            for (int k = first; k < last; ++k) {
+                additions[static_cast<std::size_t>(k)] = support_field(tiles[static_cast<std::size_t>(k)]);
+            }
+        });
+        for (const std::optional<ContourField>& addition : additions) unite(field, *addition);
+        for (const cv::Rect& tile : tiles) {
+            for (int y = tile.y; y < tile.br().y; ++y) cover_row(field, y, tile.x, tile.br().x);
+        }
         return field;
+    }
+
+    // The silhouette of all coverage in and around a tile, grown as far as it needs. Where the window cuts the
+    // subject, its neighbours' windows or the silhouette at half coverage go on.
+    ContourField support_field(const cv::Rect& tile) const {
+        constexpr int overlap = 32;
+        const cv::Rect window =
+            cv::Rect(tile.x - overlap, tile.y - overlap, tile.width + 2 * overlap, tile.height + 2 * overlap) &
+            cv::Rect(0, 0, matte_.columns(), matte_.rows());
+        const MatteReader part = matte_.window(window);
+        std::vector<GrownPolygon> grown =
+            radii_for_support(trace_silhouette(part, SilhouetteLevel::support), part, tolerance() + 0.02);
+        for (GrownPolygon& polygon : grown) {
+            for (Point& point : polygon.points) point += Point(window.x, window.y);
+        }
+        constexpr int reach = 5;  // what a support silhouette can be grown by, and a node beyond
+        const int first_column = std::max(0, node_column(window.x) - reach);
+        const int first_row = std::max(0, node_row(window.y) - reach);
+        ContourField support(left_ + first_column, top_ + first_row,
+                             std::min(columns_, node_column(window.br().x) + reach + 2) - first_column,
+                             std::min(rows_, node_row(window.br().y) + reach + 2) - first_row);
+        fill_offset(support, in_nodes(std::move(grown)));
+        return support;
     }
 
     std::vector<GrownPolygon> in_nodes(std::vector<GrownPolygon> polygons) const {
@@ -88,51 +119,65 @@ private:
         return field.inside(i, j) && field.inside(i + 1, j) && field.inside(i, j + 1) && field.inside(i + 1, j + 1);
     }
 
-    bool row_has_uncovered(const ContourField& field, int y, const std::vector<std::uint8_t>& mask) const {
+    // \param mask  255 for each covered pixel from `first` on.
+    bool row_has_uncovered(const ContourField& field, int y, int first, std::span<const std::uint8_t> mask) const {
         const int j = node_row(y);
         if (spacing_ == 1) {
-            const std::int8_t* upper = field.row(j) - left_;
-            const std::int8_t* lower = field.row(j + 1) - left_;
-            int outside = 0;
-            const int end = std::min(matte_.columns(), columns_ - 1 + left_);
-            for (int x = std::max(0, left_); x < end; ++x) {
-                const int signs = upper[x] | upper[x + 1] | lower[x] | lower[x + 1];
-                outside |= signs & mask[static_cast<std::size_t>(x)];
+            const std::int8_t* upper = field.row(j) + (first - left_);
+            const std::int8_t* lower = field.row(j + 1) + (first - left_);
+            std::uint8_t outside = 0;
+            for (std::size_t x = 0; x < mask.size(); ++x) {
+                const std::int8_t least = std::min(std::min(upper[x], upper[x + 1]), std::min(lower[x], lower[x + 1]));
+                outside |= static_cast<std::uint8_t>((least <= 0 ? 255 : 0) & mask[x]);
             }
-            return (outside & 0x80) != 0;
+            return outside != 0;
         }
-        for (int x = 0; x < matte_.columns(); ++x) {
-            if (mask[static_cast<std::size_t>(x)] && !square_inside(field, node_column(x), j)) return true;
+        for (std::size_t x = 0; x < mask.size(); ++x) {
+            if (mask[x] && !square_inside(field, node_column(first + static_cast<int>(x)), j)) return true;
         }
         return false;
     }
 
-    std::vector<int> rows_with_uncovered(const ContourField& field) const {
-        std::vector<std::uint8_t> flags(static_cast<std::size_t>(matte_.rows()), 0);
-        const int first_row = std::max(0, static_cast<int>((top_ + 1) * spacing_));
-        const int end_row = std::min<int>(matte_.rows(), static_cast<int>((top_ + rows_ - 2) * spacing_));
-        parallel_for(first_row, end_row, 64, [&](int first, int last) {
-            std::vector<std::uint8_t> mask(static_cast<std::size_t>(matte_.columns()));
-            for (int y = first; y < last; ++y) {
-                matte_.support_row(y, mask);
-                flags[static_cast<std::size_t>(y)] = row_has_uncovered(field, y, mask);
+    bool tile_has_uncovered(const ContourField& field, const cv::Rect& tile) const {
+        std::vector<std::uint8_t> mask(static_cast<std::size_t>(tile.width));
+        for (int y = tile.y; y < tile.br().y; ++y) {
+            if (matte_.uniform(y, tile.x, tile.br().x) == MatteReader::Uniform::uncovered) continue;
+            matte_.support_span(y, tile.x, mask);
+            if (row_has_uncovered(field, y, tile.x, mask)) return true;
+        }
+        return false;
+    }
+
+    // Tiles of the picture in which covered pixels are not within the field, row by row.
+    std::vector<cv::Rect> tiles_with_uncovered(const ContourField& field) const {
+        constexpr int size = 256;
+        std::vector<cv::Rect> tiles;
+        for (int y = support_.y; y < support_.br().y; y += size) {
+            for (int x = support_.x; x < support_.br().x; x += size) {
+                tiles.push_back(cv::Rect(x, y, size, size) & support_);
+            }
+        }
+        std::vector<std::uint8_t> uncovered(tiles.size(), 0);
+        parallel_for(0, static_cast<int>(tiles.size()), 4, [&](int first, int last) {
+            for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last); ++k) {
+                uncovered[k] = tile_has_uncovered(field, tiles[k]);
             }
         });
-        std::vector<int> rows;
-        for (int y = 0; y < matte_.rows(); ++y) {
-            if (flags[static_cast<std::size_t>(y)]) rows.push_back(y);
+        std::vector<cv::Rect> found;
+        for (std::size_t k = 0; k < tiles.size(); ++k) {
+            if (uncovered[k]) found.push_back(tiles[k]);
         }
-        return rows;
+        return found;
     }
 
     // Takes the squares of covered pixels in by force, with a quarter of a node's distance around them.
-    void cover_row(ContourField& field, int y) const {
+    void cover_row(ContourField& field, int y, int first, int last) const {
         const auto raise = [&](int i, int j, int value) {
             std::int8_t& node = field.row(j)[i];
-            node = std::max(node, static_cast<std::int8_t>(value));
+            node = std::max(ContourField::value(node), static_cast<std::int8_t>(value));
         };
         const int j = node_row(y);
-        for (int x = 0; x < matte_.columns(); ++x) {
+        for (int x = first; x < last; ++x) {
             if (!matte_.covered(x, y)) continue;
             const int i = node_column(x);
             if (square_inside(field, i, j)) continue;
@@ -165,6 +210,7 @@ private:
     }
 
     const MatteReader& matte_;
+    cv::Rect support_;  // the box of all covered pixels
     const OutlineOptions& options_;
     double spacing_ = 1;  // pixels between nodes
     int left_, top_;      // of the field's first node, in nodes from the picture's corner

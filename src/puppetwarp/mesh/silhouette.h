@@ -18,12 +18,18 @@ public:
     //! \param matte  one channel, CV_8U, CV_16U or CV_32F; shared, not copied.
     explicit MatteReader(const cv::Mat& matte) : matte_(matte) {}
 
+    //! A part of the matte as a matte of its own.
+    MatteReader window(const cv::Rect& part) const { return MatteReader(matte_(part)); }
+
     int columns() const { return matte_.cols; }
     int rows() const { return matte_.rows; }
-    //! Coverage of row `j` (any integer) in units of 1 / full. \param out  #columns
-    void coverage_row(int j, std::span<std::uint16_t> out) const;
-    //! 255 where there is any coverage, else 0. \param out  #columns; `j` inside the picture.
-    void support_row(int j, std::span<std::uint8_t> out) const;
+    //! Coverage of the pixels (first, j), (first + 1, j), ..., inside the picture or not, in units of 1 / full.
+    void coverage_span(int j, int first, std::span<std::uint16_t> out) const;
+    //! 255 where there is any coverage, else 0. \pre the pixels are inside the picture.
+    void support_span(int j, int first, std::span<std::uint8_t> out) const;
+    //! What the pixels first <= i < last of row `j` have in common, the picture's outside being uncovered.
+    enum class Uniform { uncovered, full, no };
+    Uniform uniform(int j, int first, int last) const;
     int coverage(int i, int j) const;
     bool covered(int i, int j) const;
 

@@ -1,12 +1,12 @@
 #include <puppetwarp/mesh/mesh_file.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/base/input_file.h>
 #include <puppetwarp/base/output_file.h>
 #include <puppetwarp/mesh/mesh_text.h>
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <string>
 
 namespace puppetwarp {
@@ -14,6 +14,8 @@ namespace puppetwarp {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr std::size_t largest_file = std::size_t{1} << 30;
 
 std::string extension_of(const fs::path& path) {
     std::string extension = path.extension().string();
@@ -26,27 +28,12 @@ std::string extension_of(const fs::path& path) {
     throw InvalidInput(path.string(), "its extension names no mesh format", "use .off or .obj");
 }
 
-// The path is looked at first: opening a pipe would wait for ever.
-std::string file_text(const fs::path& path) {
-    std::error_code error;
-    const fs::file_status status = fs::status(path, error);
-    if (!fs::exists(status)) throw InvalidInput(path.string(), "the file does not exist");
-    if (!fs::is_regular_file(status)) throw InvalidInput(path.string(), "it is not a regular file");
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw InvalidInput(path.string(), "it cannot be opened for reading");
-    std::string text(fs::file_size(path), '\0');
-    file.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(file.gcount()));
-    if (text.empty()) throw InvalidInput(path.string(), "the file is empty");
-    return text;
-}
-
 }  // namespace
 
 TriangleMesh read_mesh(const fs::path& path) {
     const std::string extension = extension_of(path);
     if (extension != ".off" && extension != ".obj") refuse_extension(path);
-    const std::string text = file_text(path);
+    const std::string text = read_file(path, largest_file);
     const std::string subject = path.string();
     const TriangleMesh mesh = extension == ".off" ? mesh_from_off(text, subject) : mesh_from_obj(text, subject);
     require_sound(mesh, subject.c_str());

@@ -81,12 +81,12 @@ TEST_F(MeshFile, NamesTheLineAtFault) {
 }
 
 TEST_F(MeshFile, RefusesWhatIsNoMeshFile) {
-    EXPECT_THAT(message_of(folder_ / "none.off"), testing::HasSubstr("does not exist"));
+    EXPECT_THAT(message_of(folder_ / "none.off"), testing::HasSubstr("no such file"));
     EXPECT_THAT(message_of(write("mesh.ply", "ply\n")), testing::HasSubstr(".off or .obj"));
     fs::create_directory(folder_ / "folder.off");
-    EXPECT_THAT(message_of(folder_ / "folder.off"), testing::HasSubstr("not a regular file"));
+    EXPECT_THAT(message_of(folder_ / "folder.off"), testing::HasSubstr("is a folder"));
     ASSERT_EQ(::mkfifo((folder_ / "pipe.off").c_str(), 0600), 0);
-    EXPECT_THAT(message_of(folder_ / "pipe.off"), testing::HasSubstr("not a regular file"));
+    EXPECT_THAT(message_of(folder_ / "pipe.off"), testing::HasSubstr("is not a regular file"));
     EXPECT_THAT(message_of(write("empty.off", "")), testing::HasSubstr("empty"));
 }
 

@@ -17,12 +17,16 @@ constexpr double round_off_energy = 1e-18;
 // Handles whose targets are missed by more than this share of the subject's size contradict each other.
 constexpr double contradiction = 1e-6;
 // How far one step of the way to far targets goes: a share of the subject's size, and an angle.
-constexpr double stride = 0.08;
+constexpr double stride = 0.16;
 constexpr double stride_rad = 0.5;
 constexpr int most_steps = 64;
+// A disc that shrank to this share of its size counts as crushed.
+constexpr double crushed = 0.1;
 // On the way, coming near to the minimum is enough.
-constexpr double loose_tolerance = 1e-3;
+constexpr double loose_tolerance = 1e-2;
 constexpr int loose_iterations = 12;
+// A step of the way that took more iterations has outrun the factor.
+constexpr int patience = 3;
 
 double nearest_turn(double angle) {
     return std::remainder(angle, 2 * std::numbers::pi);
@@ -140,6 +144,10 @@ ArapMinimum ArapDeformer::lead(const std::vector<Goal>& goals, Eigen::VectorXcd&
     const std::vector<Goal> from = goals_at(x, goals);
     const int steps = steps_between(from, goals);
     const double floor = round_off_energy * size_ * size_;
+    // Fixed angles change the constraints themselves from step to step, means only where they lead.
+    const bool turned = std::any_of(goals.begin(), goals.end(), [](const Goal& goal) { return goal.turned; });
+    std::optional<ArapSystem::Factor> factor;
+    bool slow = false;
     int spent = 0;
     for (int s = 1;; ++s) {
         const bool last = s == steps;
@@ -152,19 +160,34 @@ ArapMinimum ArapDeformer::lead(const std::vector<Goal>& goals, Eigen::VectorXcd&
         }
         place_fixed(here, x);
         const Problem problem = problem_of(here, x);
-        ArapSystem::Factor factor = system_.factorise(x, problem.constraints, true);
-        step_onto(system_, cells_, problem.constraints, factor, problem.d, x);
+        if (!factor || turned || slow) factor = system_.factorise(x, problem.constraints, true);
+        step_onto(system_, cells_, problem.constraints, *factor, problem.d, x);
         const int budget = std::max(0, options_.max_iterations - spent);
         const ArapStop stop{last ? options_.tolerance : loose_tolerance,
                             last ? budget : std::min(budget, loose_iterations), floor};
-        ArapMinimum minimum = minimise(system_, cells_, problem.constraints, stop, factor, x, progress);
+        ArapMinimum minimum = minimise(system_, cells_, problem.constraints, stop, *factor, x, progress);
         spent += minimum.iterations;
+        slow = minimum.iterations > patience;
         if (!last) continue;
         // Steps add up round-off; the handles are met to the last of it.
         system_.add(1, problem.constraints.step_onto(system_.restricted(x), problem.d), x);
         minimum.iterations = spent;
         return minimum;
     }
+}
+
+// A fixed angle leaves the turn a line through 0: a disc that was crushed there may have come out on the other side,
+// turned by 180 degrees too many. Such goals get the scale of the rest pose.
+// \return whether there was one.
+bool ArapDeformer::keep_facing(const Eigen::VectorXcd& x, std::vector<Goal>& goals) const {
+    bool changed = false;
+    for (std::size_t h = 0; h < goals.size(); ++h) {
+        if (!goals[h].turned || goals[h].scale > 0) continue;
+        if ((row_value(holds_[h].turn, x) * std::polar(1.0, -goals[h].angle)).real() > crushed) continue;
+        goals[h].scale = 1;
+        changed = true;
+    }
+    return changed;
 }
 
 double ArapDeformer::largest_error(const std::vector<Goal>& goals, const Eigen::VectorXcd& x) const {
@@ -181,7 +204,7 @@ double ArapDeformer::largest_error(const std::vector<Goal>& goals, const Eigen::
 
 Deformation ArapDeformer::deform(const Pose& pose, const Eigen::MatrixX2d* start, Progress& progress) const {
     const std::vector<HoldTarget> targets = resolve(holds_, rig_, pose, size_, method_name(Method::arap));
-    const std::vector<Goal> goals = goals_of(targets);
+    std::vector<Goal> goals = goals_of(targets);
     if (start != nullptr && (start->rows() != rest_.size() || !start->allFinite())) {
         throw InvalidInput("start", "it is not one finite position for each vertex of the mesh");
     }
@@ -192,8 +215,14 @@ Deformation ArapDeformer::deform(const Pose& pose, const Eigen::MatrixX2d* start
         place_fixed(goals, x);
         result.energy_history = {cells_.energy(x)};
     } else {
+        const Eigen::VectorXcd before = x;
         ArapMinimum minimum = lead(goals, x, progress);
         result.iterations = minimum.iterations;
+        if (keep_facing(x, goals)) {
+            x = before;
+            minimum = lead(goals, x, progress);
+            result.iterations += minimum.iterations;
+        }
         result.converged = minimum.converged;
         result.energy_history = std::move(minimum.energy_history);
     }

@@ -36,6 +36,7 @@ private:
     void place_fixed(const std::vector<Goal>& goals, Eigen::VectorXcd& x) const;
     Problem problem_of(const std::vector<Goal>& goals, const Eigen::VectorXcd& x) const;
     ArapMinimum lead(const std::vector<Goal>& goals, Eigen::VectorXcd& x, Progress& progress) const;
+    bool keep_facing(const Eigen::VectorXcd& x, std::vector<Goal>& goals) const;
     double largest_error(const std::vector<Goal>& goals, const Eigen::VectorXcd& x) const;
 
     MethodOptions options_;

@@ -11,6 +11,8 @@ namespace {
 constexpr std::size_t memory = 8;
 constexpr double armijo = 1e-4;
 constexpr int shortest_halving = 40;
+// Four steps that leave more than this share of what there was to gain are worth a new factor.
+constexpr double slow_progress = 0.03;
 
 // The last steps with the changes of gradient they made, and the two-loop product with them.
 class StepMemory {
@@ -136,7 +138,7 @@ public:
         short_steps_ = length <= 0.25 ? short_steps_ + 1 : 0;
         ++age_;
         if (age_ % 4 == 0) {
-            slow_ = left > 0.01 * left_before_;
+            slow_ = left > slow_progress * left_before_;
             left_before_ = left;
         } else if (age_ == 1) {
             left_before_ = left;

@@ -84,7 +84,8 @@ void PolyharmonicDeformer::prepare_rows() {
     response_.resize(size, size);
     for (Eigen::Index j = 0; j < size; ++j) {
         const Eigen::VectorXcd u = apply_inverse(load({static_cast<int>(j)}, Eigen::VectorXcd::Ones(1)));
-        for (Eigen::Index i = 0; i < size; ++i) response_(i, j) = row_value(rows_[static_cast<std::size_t>(i)].entries, u);
+        for (Eigen::Index i = 0; i < size; ++i)
+            response_(i, j) = row_value(rows_[static_cast<std::size_t>(i)].entries, u);
     }
 
     // A row at the grounded vertex responds to nothing: it gets the mean size.

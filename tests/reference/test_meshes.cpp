@@ -1,5 +1,7 @@
 #include "reference/test_meshes.h"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -205,9 +207,35 @@ Rig rig_of_points(const std::vector<Point>& places) {
 Rig rig_of_vertices(const std::vector<int>& indices) {
     Rig rig;
     for (std::size_t i = 0; i < indices.size(); ++i) {
-        rig.handles.push_back({std::string("v").append(std::to_string(i)), VertexHandle{indices[i]}});
+        rig.handles.push_back({vertex_id(i), VertexHandle{indices[i]}});
     }
     return rig;
+}
+
+std::string vertex_id(std::size_t k) {
+    return std::string("v").append(std::to_string(k));
+}
+
+std::complex<double> mean_turn(const TriangleMesh& mesh, const Eigen::MatrixX2d& moved, const Point& at,
+                               double radius) {
+    std::complex<double> sum = 0;
+    double area = 0;
+    for (Eigen::Index t = 0; t < mesh.F.rows(); ++t) {
+        const Point centroid =
+            (mesh.V.row(mesh.F(t, 0)) + mesh.V.row(mesh.F(t, 1)) + mesh.V.row(mesh.F(t, 2))).transpose() / 3;
+        const double share = (centroid - at).norm() / radius;
+        if (share > 1) continue;
+        Eigen::Matrix2d rest, now;
+        for (int k = 0; k < 2; ++k) {
+            rest.col(k) = (mesh.V.row(mesh.F(t, k + 1)) - mesh.V.row(mesh.F(t, 0))).transpose();
+            now.col(k) = (moved.row(mesh.F(t, k + 1)) - moved.row(mesh.F(t, 0))).transpose();
+        }
+        const Eigen::Matrix2d J = now * rest.inverse();
+        const double weight = std::abs(rest.determinant()) * std::pow(1 - share * share, 2);
+        sum += weight * std::complex<double>(J(0, 0) + J(1, 1), J(1, 0) - J(0, 1)) / 2.0;
+        area += weight;
+    }
+    return sum / area;
 }
 
 Point rigid(const Point& p, const Point& centre, double angle_rad, const Point& move) {

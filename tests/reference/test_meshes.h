@@ -5,8 +5,10 @@
 
 #include <Eigen/Geometry>
 
+#include <complex>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 // Meshes that tests and benches make for themselves, without the project's own mesher.
@@ -46,6 +48,13 @@ int nearest_vertex(const TriangleMesh& mesh, const Point& p);
 Rig rig_of_points(const std::vector<Point>& places);
 //! A rig of vertices v0, v1, ... of these indices.
 Rig rig_of_vertices(const std::vector<int>& indices);
+
+//! The id of the k-th of them.
+std::string vertex_id(std::size_t k);
+
+//! How much the disc of `radius` about a point turned and grew, s e^(i theta) for a similarity: the mean of its
+//! triangles' maps, weighted by area times (1 - (d / radius)^2)^2 at their centroids.
+std::complex<double> mean_turn(const TriangleMesh& mesh, const Eigen::MatrixX2d& moved, const Point& at, double radius);
 
 //! The rotation by `angle_rad` clockwise on screen about `centre`, then the move.
 Point rigid(const Point& p, const Point& centre, double angle_rad, const Point& move);

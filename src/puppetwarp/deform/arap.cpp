@@ -14,6 +14,7 @@ using Complex = std::complex<double>;
 
 // Energies below this share of the squared size are what round-off makes of none.
 constexpr double round_off_energy = 1e-18;
+constexpr double round_off = 1e-14;
 // Handles whose targets are missed by more than this share of the subject's size contradict each other.
 constexpr double contradiction = 1e-6;
 // How far one step of the way to far targets goes: a share of the subject's size, and an angle.
@@ -139,6 +140,13 @@ ArapDeformer::Problem ArapDeformer::problem_of(const std::vector<Goal>& goals, c
             Eigen::Map<const Eigen::VectorXd>(d.data(), static_cast<Eigen::Index>(d.size()))};
 }
 
+// Whether x is a minimum of no energy that meets its constraints already: rest, and rigid motions of it.
+bool ArapDeformer::settled(const Problem& problem, const Eigen::VectorXcd& x) const {
+    const Eigen::VectorXd missing = problem.d - problem.constraints.C() * system_.restricted(x);
+    return missing.lpNorm<Eigen::Infinity>() <= round_off * size_ &&
+           cells_.energy(x) <= round_off_energy * size_ * size_;
+}
+
 // Leads the holds from where x has them to the goals, and ends in a minimum there.
 ArapMinimum ArapDeformer::lead(const std::vector<Goal>& goals, Eigen::VectorXcd& x, Progress& progress) const {
     const std::vector<Goal> from = goals_at(x, goals);
@@ -160,6 +168,7 @@ ArapMinimum ArapDeformer::lead(const std::vector<Goal>& goals, Eigen::VectorXcd&
         }
         place_fixed(here, x);
         const Problem problem = problem_of(here, x);
+        if (last && s == 1 && settled(problem, x)) return {0, true, {cells_.energy(x)}};
         if (!factor || turned || slow) factor = system_.factorise(x, problem.constraints, true);
         step_onto(system_, cells_, problem.constraints, *factor, problem.d, x);
         const int budget = std::max(0, options_.max_iterations - spent);

@@ -35,6 +35,7 @@ private:
     int steps_between(const std::vector<Goal>& from, const std::vector<Goal>& to) const;
     void place_fixed(const std::vector<Goal>& goals, Eigen::VectorXcd& x) const;
     Problem problem_of(const std::vector<Goal>& goals, const Eigen::VectorXcd& x) const;
+    bool settled(const Problem& problem, const Eigen::VectorXcd& x) const;
     ArapMinimum lead(const std::vector<Goal>& goals, Eigen::VectorXcd& x, Progress& progress) const;
     bool keep_facing(const Eigen::VectorXcd& x, std::vector<Goal>& goals) const;
     double largest_error(const std::vector<Goal>& goals, const Eigen::VectorXcd& x) const;

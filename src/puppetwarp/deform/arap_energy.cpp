@@ -1,6 +1,7 @@
 #include <puppetwarp/deform/arap_energy.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>

@@ -27,7 +27,6 @@ public:
     //! \param stiffness  #F factors of each triangle's weights, or empty for 1.
     ArapCells(const TriangleMesh& mesh, ArapEnergy energy, const Eigen::VectorXd& stiffness);
 
-    int vertices() const { return vertices_; }
     int count() const { return static_cast<int>(first_edge_.size()) - 1; }
     //! Vertices of a cell, ascending.
     const int* vertices_begin(int cell) const {

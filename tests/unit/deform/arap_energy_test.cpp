@@ -17,7 +17,8 @@ constexpr ArapEnergy energies[] = {ArapEnergy::elements, ArapEnergy::spokes, Ara
 
 class ArapCellsTest : public testing::TestWithParam<ArapEnergy> {
 protected:
-    ArapCellsTest() : mesh_(reference::grid(7, 5, 70, 50, 0.25, 4)), cells_(mesh_, GetParam(), {}), x_(complex_positions(mesh_.V)) {
+    ArapCellsTest()
+        : mesh_(reference::grid(7, 5, 70, 50, 0.25, 4)), cells_(mesh_, GetParam(), {}), x_(complex_positions(mesh_.V)) {
         std::mt19937 random(9);
         for (Complex& p : x_) p += Complex(uniform(random), uniform(random)) * 3.0;
     }

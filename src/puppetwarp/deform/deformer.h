@@ -17,8 +17,8 @@ enum class Method { harmonic, biharmonic, arap };
 //! Which edges share a rotation in the `arap` energy.
 enum class ArapEnergy {
     elements,        //!< each triangle: Liu et al. 2008
-    spokes,          //!< edges at a vertex: Sorkine & Alexa 2007
-    spokes_and_rims  //!< all edges of the triangles at a vertex: Chao et al. 2010
+    spokes,          //!< edges at a vertex, each counted at both ends: Sorkine & Alexa 2007
+    spokes_and_rims  //!< all edges of the triangles at a vertex, each triangle counted three times: Chao et al. 2010
 };
 
 struct MethodOptions {
@@ -41,7 +41,7 @@ struct Deformation {
     Eigen::MatrixX2d V;  //!< #V x 2 moved positions, image pixels
     int iterations = 0;  //!< 0 for linear methods
     bool converged = true;
-    double energy = 0;                   //!< the method's own energy at V, px^2
+    double energy = 0;                   //!< the method's own energy at V, px^2; of `biharmonic` without unit
     std::vector<double> energy_history;  //!< from the start to `energy`, never rising
     double max_handle_error_px = 0;      //!< against what each handle constrains
 };
@@ -54,13 +54,14 @@ public:
     //! \param pose      targets; handles that it does not name stay at rest.
     //! \param start     #V x 2 positions to begin from, or null for the rest pose.
     //! \param progress  hears of each iteration; may cancel.
-    //! \throw InvalidInput  the pose does not fit the rig, or asks for what the method cannot do.
+    //! \throw InvalidInput  the pose does not fit the rig, or asks for what the method cannot do; two handles in
+    //!        one place are sent to different ones.
     //! \throw Cancelled
     virtual Deformation deform(const Pose& pose, const Eigen::MatrixX2d* start, Progress& progress) const = 0;
 };
 
 //! Prepares a method: operators, binding of the handles, factorisations.
-//! \throw InvalidInput  a handle outside the mesh, two handles at one place, handles that the method cannot use,
+//! \throw InvalidInput  a handle outside the mesh, handles that the method cannot use,
 //!        no handles, options out of range.
 std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig);
 

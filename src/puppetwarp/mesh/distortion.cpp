@@ -1,5 +1,7 @@
 #include <puppetwarp/mesh/distortion.h>
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>

@@ -1,0 +1,132 @@
+// Deformation: what each stage costs, beside a plain local/global iteration and one triangular solve of the same run.
+#include "reference/local_global.h"
+#include "reference/test_meshes.h"
+
+#include <puppetwarp/deform/deformer.h>
+#include <puppetwarp/mesh/operators.h>
+#include <puppetwarp/rig/binding.h>
+#include <puppetwarp/solve/cholesky.h>
+
+#include <benchmark/benchmark.h>
+
+namespace puppetwarp {
+namespace {
+
+namespace places = reference::figure_places;
+constexpr double size_px = 1000;
+
+// About 5k and 20k vertices.
+TriangleMesh mesh_for(const benchmark::State& state) {
+    return reference::figure(size_px, state.range(0) == 5 ? 8.6 : 4.3);
+}
+
+Rig eight_pins() {
+    return reference::rig_of_points({size_px * places::head, size_px * places::left_hand, size_px * places::right_hand,
+                                     size_px * places::left_foot, size_px * places::right_foot, size_px * places::chest,
+                                     size_px * places::belly, size_px * places::right_shoulder});
+}
+
+Pose typical_pose() {
+    Pose pose;
+    pose.handles["p0"].to = size_px * places::head + Point(60, 30);
+    pose.handles["p1"].to = size_px * places::left_hand + Point(30, 150);
+    pose.handles["p2"].to = size_px * places::right_hand + Point(55, -80);
+    pose.handles["p3"].to = size_px * places::left_foot + Point(-90, -40);
+    return pose;
+}
+
+MethodOptions options_of(Method method) {
+    MethodOptions options;
+    options.method = method;
+    return options;
+}
+
+void count_vertices(benchmark::State& state, const TriangleMesh& mesh) {
+    state.counters["vertices"] = static_cast<double>(mesh.V.rows());
+}
+
+void factor_laplacian(benchmark::State& state) {
+    const TriangleMesh mesh = mesh_for(state);
+    SparseMatrix lower = cotangent_stiffness(mesh).triangularView<Eigen::Lower>();
+    for (int v = 0; v < mesh.V.rows(); ++v) lower.coeffRef(v, v) += 1e-6;
+    const CholeskyPattern pattern(lower);
+    for (auto _ : state) benchmark::DoNotOptimize(pattern.factorise(lower));
+    count_vertices(state, mesh);
+}
+
+void triangular_solve(benchmark::State& state) {
+    const TriangleMesh mesh = mesh_for(state);
+    SparseMatrix lower = cotangent_stiffness(mesh).triangularView<Eigen::Lower>();
+    for (int v = 0; v < mesh.V.rows(); ++v) lower.coeffRef(v, v) += 1e-6;
+    const auto factor = CholeskyPattern(lower).factorise(lower);
+    Eigen::VectorXcd b = Eigen::VectorXcd::Ones(mesh.V.rows());
+    for (auto _ : state) {
+        Eigen::VectorXcd x = b;
+        factor->solve_in_place(x);
+        benchmark::DoNotOptimize(x.data());
+    }
+    count_vertices(state, mesh);
+}
+
+void make(benchmark::State& state, Method method) {
+    const TriangleMesh mesh = mesh_for(state);
+    const Rig rig = eight_pins();
+    for (auto _ : state) benchmark::DoNotOptimize(make_deformer(options_of(method), mesh, rig));
+    count_vertices(state, mesh);
+}
+
+void from_rest(benchmark::State& state, Method method) {
+    const TriangleMesh mesh = mesh_for(state);
+    const auto deformer = make_deformer(options_of(method), mesh, eight_pins());
+    const Pose pose = typical_pose();
+    Progress progress;
+    int iterations = 0;
+    for (auto _ : state) iterations = deformer->deform(pose, nullptr, progress).iterations;
+    state.counters["iterations"] = iterations;
+    count_vertices(state, mesh);
+}
+
+// A pin is dragged on by 5 px.
+void warm_frame(benchmark::State& state) {
+    const TriangleMesh mesh = mesh_for(state);
+    const auto deformer = make_deformer({}, mesh, eight_pins());
+    Pose pose = typical_pose();
+    Progress progress;
+    const Eigen::MatrixX2d start = deformer->deform(pose, nullptr, progress).V;
+    *pose.handles["p2"].to += Point(3, -4);
+    int iterations = 0;
+    for (auto _ : state) iterations = deformer->deform(pose, &start, progress).iterations;
+    state.counters["iterations"] = iterations;
+    count_vertices(state, mesh);
+}
+
+// The same frame by twenty plain iterations, their factor included; far from converged.
+void local_global_frame(benchmark::State& state) {
+    const TriangleMesh mesh = mesh_for(state);
+    const auto deformer = make_deformer({}, mesh, eight_pins());
+    Progress progress;
+    Eigen::MatrixX2d start = deformer->deform(typical_pose(), nullptr, progress).V;
+    std::vector<int> held;
+    for (const Hold& hold : take_hold(mesh, eight_pins(), "arap")) {
+        held.push_back(reference::nearest_vertex(mesh, Point(hold.at.real(), hold.at.imag())));
+    }
+    start.row(held[2]) += Eigen::RowVector2d(3, -4);
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(reference::local_global(mesh, ArapEnergy::elements, held, start, 0, 20));
+    }
+    count_vertices(state, mesh);
+}
+
+BENCHMARK(triangular_solve)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK(factor_laplacian)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(make, harmonic, Method::harmonic)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(make, biharmonic, Method::biharmonic)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(make, arap, Method::arap)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(from_rest, harmonic, Method::harmonic)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(from_rest, biharmonic, Method::biharmonic)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(from_rest, arap, Method::arap)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK(warm_frame)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK(local_global_frame)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace puppetwarp

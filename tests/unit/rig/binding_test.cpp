@@ -1,0 +1,143 @@
+#include "reference/test_meshes.h"
+
+#include <puppetwarp/base/errors.h>
+#include <puppetwarp/rig/binding.h>
+#include <puppetwarp/rig/snap.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <functional>
+
+namespace puppetwarp {
+namespace {
+
+using reference::rig_of_points;
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string message_of(const std::function<void()>& work) {
+    try {
+        work();
+    } catch (const InvalidInput& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(Binding, MeanIsAverageOverTheDiscAndTurnIsThatOfASimilarity) {
+    const TriangleMesh mesh = reference::grid(60, 60, 100, 100, 0.25);
+    Rig rig = rig_of_points({{50, 50}, {0, 30}});
+    std::get<PointHandle>(rig.handles[0].shape).radius_px = 9;
+    const std::complex<double> similarity = std::polar(1.7, 0.6);
+    const Eigen::VectorXcd rest = complex_positions(mesh.V);
+    const Eigen::VectorXcd moved = (similarity * rest).array() + std::complex<double>(3, 4);
+    for (const Hold& hold : take_hold(mesh, rig, "arap")) {
+        double sum = 0;
+        for (const auto& [vertex, weight] : hold.mean) {
+            EXPECT_GT(weight.real(), 0);
+            EXPECT_LT(std::abs(rest(vertex) - hold.at), hold.radius_px);
+            sum += weight.real();
+        }
+        EXPECT_NEAR(sum, 1, 1e-13);
+        EXPECT_LT(std::abs(row_value(hold.turn, rest) - 1.0), 1e-12);
+        EXPECT_LT(std::abs(row_value(hold.turn, moved) - similarity), 1e-12);
+    }
+    // A whole disc is centred on its point but for the mesh's irregularity.
+    EXPECT_LT(std::abs(row_value(take_hold(mesh, rig, "arap")[0].mean, rest) - std::complex<double>(50, 50)), 0.2);
+}
+
+TEST(Binding, DoesNotReachAcrossAGap) {
+    // Two bars 4 px apart, joined at the far end only.
+    const auto inside = [](double x, double y) {
+        return x > 0 && x < 100 && y > 0 && y < 44 && !(x < 80 && y > 20 && y < 24);
+    };
+    const TriangleMesh mesh = reference::shape(inside, 100, 2);
+    Rig rig = rig_of_points({{10, 17}});
+    std::get<PointHandle>(rig.handles[0].shape).radius_px = 12;
+    for (const auto& entry : take_hold(mesh, rig, "arap")[0].mean) EXPECT_LT(mesh.V(entry.first, 1), 22);
+}
+
+TEST(Binding, ACoarseMeshIsHeldByTheTriangleBelow) {
+    const TriangleMesh mesh = reference::grid(2, 2, 100, 100);
+    const Hold hold = take_hold(mesh, rig_of_points({{30, 11}}), "arap")[0];
+    EXPECT_LE(hold.mean.size(), 3u);
+    const Eigen::VectorXcd rest = complex_positions(mesh.V);
+    EXPECT_LT(std::abs(row_value(hold.mean, rest) - hold.at), 1e-12);
+    EXPECT_LT(std::abs(row_value(hold.turn, rest) - 1.0), 1e-13);
+}
+
+TEST(Binding, SaysHowFarOutsideAPointLies) {
+    const TriangleMesh mesh = reference::grid(10, 10, 100, 100);
+    EXPECT_THAT(message_of([&] {
+                    take_hold(mesh, rig_of_points({{103, 104}}), "arap");
+                }),
+                AllOf(HasSubstr("'p0'"), HasSubstr("lies 5 px outside the subject"), HasSubstr("--pin-snap PX")));
+    EXPECT_EQ(message_of([&] { take_hold(mesh, rig_of_points({{100, 100}}), "arap"); }), "");
+}
+
+TEST(Binding, SaysWhatCannotBeUsed) {
+    const TriangleMesh mesh = reference::grid(4, 4, 10, 10);
+    EXPECT_THAT(message_of([&] { take_hold(mesh, Rig(), "arap"); }), HasSubstr("no handles"));
+    EXPECT_THAT(message_of([&] { take_hold(mesh, reference::rig_of_vertices({25}), "arap"); }),
+                AllOf(HasSubstr("'v0'"), HasSubstr("25")));
+    Rig bone;
+    bone.handles.push_back({"arm", BoneHandle{{1, 1}, {5, 5}, ""}});
+    EXPECT_THAT(message_of([&] { take_hold(mesh, bone, "harmonic"); }),
+                AllOf(HasSubstr("'arm'"), HasSubstr("a bone cannot drive 'harmonic'")));
+}
+
+TEST(Binding, TwoHandlesInOnePlaceMustAgree) {
+    const TriangleMesh mesh = reference::grid(20, 20, 100, 100);
+    const Rig rig = rig_of_points({{50, 50}, {20, 20}, {50, 50}});
+    const std::vector<Hold> holds = take_hold(mesh, rig, "arap");
+    Pose pose;
+    pose.handles["p0"].to = Point(60, 50);
+    EXPECT_THAT(message_of([&] { resolve(holds, rig, pose, 141, "arap"); }),
+                AllOf(HasSubstr("'p0' and 'p2'"), HasSubstr("one place")));
+    pose.handles["p2"].to = Point(60, 50);
+    EXPECT_EQ(resolve(holds, rig, pose, 141, "arap")[2].move, std::complex<double>(10, 0));
+    pose.handles["p0"].rotate_rad = 0.1;
+    EXPECT_EQ(message_of([&] { resolve(holds, rig, pose, 141, "arap"); }), "");
+    pose.handles["p2"].rotate_rad = 0.2;
+    EXPECT_THAT(message_of([&] { resolve(holds, rig, pose, 141, "arap"); }), HasSubstr("'p0' and 'p2'"));
+}
+
+TEST(Binding, AScaleNeedsAnAngle) {
+    const TriangleMesh mesh = reference::grid(20, 20, 100, 100);
+    const Rig rig = rig_of_points({{50, 50}});
+    const std::vector<Hold> holds = take_hold(mesh, rig, "arap");
+    Pose pose;
+    pose.handles["p0"].scale = 2;
+    EXPECT_THAT(message_of([&] { resolve(holds, rig, pose, 141, "arap"); }),
+                AllOf(HasSubstr("'p0'"), HasSubstr("rotate_deg")));
+    pose.handles["p0"] = {};
+    pose.handles["p0"].affine = std::array<double, 6>{1, 0, 0, 1, 0, 0};
+    EXPECT_THAT(message_of([&] { resolve(holds, rig, pose, 141, "arap"); }), HasSubstr("affine"));
+}
+
+TEST(Stiffness, MultipliesInsideItsRegions) {
+    const TriangleMesh mesh = reference::grid(10, 10, 10, 10);
+    EXPECT_EQ(triangle_stiffness(mesh, {}).size(), 0);
+    const Eigen::VectorXd s =
+        triangle_stiffness(mesh, {{{{0, 0}, {5, 0}, {5, 10}, {0, 10}}, 4}, {{{0, 0}, {10, 0}, {10, 5}, {0, 5}}, 3}});
+    for (Eigen::Index t = 0; t < mesh.F.rows(); ++t) {
+        const Point c = (mesh.V.row(mesh.F(t, 0)) + mesh.V.row(mesh.F(t, 1)) + mesh.V.row(mesh.F(t, 2))) / 3;
+        EXPECT_EQ(s(t), (c.x() < 5 ? 4.0 : 1.0) * (c.y() < 5 ? 3.0 : 1.0));
+    }
+}
+
+TEST(Snap, MovesPointsOntoTheSubjectAndNoFarther) {
+    const TriangleMesh mesh = reference::grid(10, 10, 100, 100);
+    const Rig rig = rig_of_points({{103, 50}, {40, 40}});
+    const Rig moved = snapped(rig, mesh, 4);
+    const Point& at = std::get<PointHandle>(moved.handles[0].shape).at;
+    EXPECT_LT(at.x(), 100);
+    EXPECT_LT((at - Point(100, 50)).norm(), 0.05);
+    EXPECT_EQ(std::get<PointHandle>(moved.handles[1].shape).at, Point(40, 40));
+    EXPECT_EQ(message_of([&] { take_hold(mesh, moved, "arap"); }), "");
+    EXPECT_THAT(message_of([&] { snapped(rig, mesh, 2.5); }), AllOf(HasSubstr("'p0'"), HasSubstr("lies 3 px outside")));
+}
+
+}  // namespace
+}  // namespace puppetwarp

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <puppetwarp/base/image.h>
+#include <puppetwarp/cutout/cutout.h>
+#include <puppetwarp/mesh/distortion.h>
+#include <puppetwarp/mesh/triangle_mesh.h>
+#include <puppetwarp/project/puppet.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace puppetwarp::ui {
+
+//! A picture and its subject, and both made ready to be shown.
+struct Subject {
+    Image image;
+    Cutout cutout;
+    //! #rows x #cols of CV_8UC4, RGB premultiplied by alpha, no side longer than the screen's memory takes.
+    cv::Mat shown_subject;
+    //! The picture before the cutout, likewise; for backgrounds that keep it.
+    cv::Mat shown_picture;
+};
+
+//! What the screen shall show: a puppet in a pose.
+struct ShapeRequest {
+    std::uint64_t revision = 0;
+    std::shared_ptr<const Puppet> puppet;
+    Pose pose;
+    //! While a pin is dragged: begin from the last positions and stop early. Else exactly what the command renders.
+    bool live = false;
+};
+
+//! What the screen shows: a puppet in a pose, as far as it could be made.
+struct Shape {
+    std::uint64_t revision = 0;                //!< of the request this answers
+    std::shared_ptr<const Subject> subject;    //!< null: there is no picture
+    std::shared_ptr<const TriangleMesh> mesh;  //!< null: there are no triangles
+    Eigen::MatrixX2d moved;                    //!< #V x 2 positions of the mesh
+    Distortion distortion;
+    bool live = false;      //!< of the request
+    bool converged = true;  //!< the method came to its end (a live shape need not)
+    double deform_ms = 0;   //!< what the deformation took
+    std::string error;      //!< why the way ended before its end, one line; empty: it did not
+};
+
+}  // namespace puppetwarp::ui

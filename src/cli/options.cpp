@@ -2,6 +2,7 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/input_file.h>
+#include <puppetwarp/base/output_file.h>
 
 #include <algorithm>
 #include <charconv>
@@ -129,6 +130,11 @@ Puppet open_puppet(const fs::path& path) {
     puppet.folder = path.parent_path();
     puppet.image = path.filename().string();
     return puppet;
+}
+
+void require_writable(const fs::path& output) {
+    // A pipe's reader would take this opening and closing for the end of the data.
+    if (!OutputFile::is_stream(output)) OutputFile probe(output);
 }
 
 void require_other_file(const fs::path& output, const std::vector<fs::path>& inputs, bool force) {

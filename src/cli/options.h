@@ -38,6 +38,9 @@ bool is_puppet_file(const std::filesystem::path& path);
 //! A puppet from a puppet file, or one around a picture. \throw InvalidInput  as `read_puppet`; missing picture.
 Puppet open_puppet(const std::filesystem::path& path);
 
+//! Complains about an output that cannot be written before any work is done. \throw InvalidInput  as `OutputFile`.
+void require_writable(const std::filesystem::path& output);
+
 //! \throw InvalidInput  `output` is one of `inputs` and `force` is not set.
 void require_other_file(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
                         bool force);

@@ -87,6 +87,10 @@ std::string output_format(const std::filesystem::path& path) {
         "use one of " + known_extensions());
 }
 
+bool format_holds_alpha(const std::string& format) {
+    return format_traits(format).alpha;
+}
+
 std::vector<std::string> lost_in_format(const Image& image, const std::string& format) {
     const FormatTraits& traits = format_traits(format);
     const ImageMetadata& metadata = image.metadata;

@@ -19,6 +19,9 @@ struct WriteOptions {
 //! \throw InvalidInput  unknown extension (names the known ones).
 std::string output_format(const std::filesystem::path& path);
 
+//! True when files of this format can have an alpha channel. \throw InvalidInput  unknown format.
+bool format_holds_alpha(const std::string& format);
+
 //! What of this picture a file format cannot hold, each as a phrase for a person ("alpha", "16 bits a channel",
 //! "EXIF"); empty when everything is kept. Alpha that is full everywhere is nothing to lose.
 std::vector<std::string> lost_in_format(const Image& image, const std::string& format);

@@ -138,10 +138,11 @@ void draw_mesh(Image& picture, const Eigen::MatrixX2d& positions, const Eigen::M
 
 void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas& canvas) {
     const double unit = stroke_unit(canvas);
+    const HandlePose at_rest;
     Strokes rims(canvas), bodies(canvas);
     for (const Handle& handle : rig.handles) {
         const auto found = pose.handles.find(handle.id);
-        const HandlePose posed = found == pose.handles.end() ? HandlePose{} : found->second;
+        const HandlePose& posed = found == pose.handles.end() ? at_rest : found->second;
         const Polyline points = std::visit(PosedPoints{posed}, handle.shape);
         for (std::size_t i = 0; i + 1 < points.size(); ++i) {
             rims.line(points[i], points[i + 1], static_cast<int>(std::lround(4 * unit)));

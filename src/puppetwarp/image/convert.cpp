@@ -1,4 +1,4 @@
-#include "convert.h"
+#include <puppetwarp/image/convert.h>
 
 #include <puppetwarp/base/threads.h>
 

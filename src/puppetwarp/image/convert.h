@@ -2,7 +2,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "formats.h"
+#include <puppetwarp/image/formats.h>
 
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "exif.h"
+#include <puppetwarp/image/exif.h>
 
 #include <cstddef>
 #include <cstring>

@@ -1,8 +1,8 @@
-#include "exr_file.h"
+#include <puppetwarp/image/exr_file.h>
 
 #include <puppetwarp/base/errors.h>
 
-#include "vips_decode.h"
+#include <puppetwarp/image/vips_decode.h>
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>

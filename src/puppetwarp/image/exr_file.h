@@ -5,7 +5,7 @@
 #include <puppetwarp/image/read.h>
 #include <puppetwarp/image/write.h>
 
-#include "picture_file.h"
+#include <puppetwarp/image/picture_file.h>
 
 namespace puppetwarp {
 

@@ -1,11 +1,11 @@
-#include "formats.h"
+#include <puppetwarp/image/formats.h>
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/output_file.h>
 #include <puppetwarp/image/write.h>
 
-#include "convert.h"
-#include "jpeg_writer.h"
+#include <puppetwarp/image/convert.h>
+#include <puppetwarp/image/jpeg_writer.h>
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
-#include "jpeg_writer.h"
+#include <puppetwarp/image/jpeg_writer.h>
 
-#include "bytes.h"
-#include "convert.h"
-#include "vips_output.h"
+#include <puppetwarp/image/bytes.h>
+#include <puppetwarp/image/convert.h>
+#include <puppetwarp/image/vips_output.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "normalise.h"
+#include <puppetwarp/image/normalise.h>
 
 #include <puppetwarp/base/errors.h>
 

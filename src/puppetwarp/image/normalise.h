@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vips_session.h"
+#include <puppetwarp/image/vips_session.h>
 
 #include <string>
 

@@ -1,4 +1,4 @@
-#include "orientation.h"
+#include <puppetwarp/image/orientation.h>
 
 #include <opencv2/core.hpp>
 

@@ -1,4 +1,4 @@
-#include "picture_file.h"
+#include <puppetwarp/image/picture_file.h>
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/input_file.h>

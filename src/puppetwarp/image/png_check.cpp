@@ -1,6 +1,6 @@
-#include "png_check.h"
+#include <puppetwarp/image/png_check.h>
 
-#include "vips_decode.h"
+#include <puppetwarp/image/vips_decode.h>
 
 #include <zlib.h>
 

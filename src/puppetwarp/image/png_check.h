@@ -1,6 +1,6 @@
 #pragma once
 
-#include "picture_file.h"
+#include <puppetwarp/image/picture_file.h>
 
 namespace puppetwarp {
 

@@ -1,4 +1,4 @@
-#include "png_filter.h"
+#include <puppetwarp/image/png_filter.h>
 
 #include <array>
 #include <bit>

@@ -1,11 +1,11 @@
-#include "png_writer.h"
+#include <puppetwarp/image/png_writer.h>
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/threads.h>
 
-#include "bytes.h"
-#include "convert.h"
-#include "png_filter.h"
+#include <puppetwarp/image/bytes.h>
+#include <puppetwarp/image/convert.h>
+#include <puppetwarp/image/png_filter.h>
 
 #include <zlib.h>
 

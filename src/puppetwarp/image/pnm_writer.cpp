@@ -1,4 +1,4 @@
-#include "pnm_writer.h"
+#include <puppetwarp/image/pnm_writer.h>
 
 #include <bit>
 #include <cstring>

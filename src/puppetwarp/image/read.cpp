@@ -1,8 +1,8 @@
 #include <puppetwarp/image/read.h>
 
-#include "exr_file.h"
-#include "picture_file.h"
-#include "vips_decode.h"
+#include <puppetwarp/image/exr_file.h>
+#include <puppetwarp/image/picture_file.h>
+#include <puppetwarp/image/vips_decode.h>
 
 namespace puppetwarp {
 

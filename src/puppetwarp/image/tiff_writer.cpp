@@ -1,6 +1,6 @@
-#include "tiff_writer.h"
+#include <puppetwarp/image/tiff_writer.h>
 
-#include "vips_output.h"
+#include <puppetwarp/image/vips_output.h>
 
 #include <cstdint>
 

@@ -1,10 +1,10 @@
-#include "vips_decode.h"
+#include <puppetwarp/image/vips_decode.h>
 
 #include <puppetwarp/base/errors.h>
 
-#include "exif.h"
-#include "orientation.h"
-#include "png_check.h"
+#include <puppetwarp/image/exif.h>
+#include <puppetwarp/image/orientation.h>
+#include <puppetwarp/image/png_check.h>
 
 #include <opencv2/core.hpp>
 

@@ -3,8 +3,8 @@
 #include <puppetwarp/base/image.h>
 #include <puppetwarp/image/read.h>
 
-#include "normalise.h"
-#include "picture_file.h"
+#include <puppetwarp/image/normalise.h>
+#include <puppetwarp/image/picture_file.h>
 
 #include <string>
 

@@ -1,4 +1,4 @@
-#include "vips_output.h"
+#include <puppetwarp/image/vips_output.h>
 
 #include <puppetwarp/base/errors.h>
 

@@ -2,7 +2,7 @@
 
 #include <puppetwarp/base/output_file.h>
 
-#include "vips_session.h"
+#include <puppetwarp/image/vips_session.h>
 
 #include <opencv2/core/mat.hpp>
 

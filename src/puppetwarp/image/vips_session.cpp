@@ -1,4 +1,4 @@
-#include "vips_session.h"
+#include <puppetwarp/image/vips_session.h>
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/threads.h>

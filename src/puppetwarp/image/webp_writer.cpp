@@ -1,10 +1,10 @@
-#include "webp_writer.h"
+#include <puppetwarp/image/webp_writer.h>
 
 #include <puppetwarp/base/errors.h>
 
-#include "bytes.h"
-#include "convert.h"
-#include "vips_output.h"
+#include <puppetwarp/image/bytes.h>
+#include <puppetwarp/image/convert.h>
+#include <puppetwarp/image/vips_output.h>
 
 #include <string>
 #include <string_view>

@@ -3,14 +3,14 @@
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/output_file.h>
 
-#include "convert.h"
-#include "exr_file.h"
-#include "formats.h"
-#include "jpeg_writer.h"
-#include "png_writer.h"
-#include "pnm_writer.h"
-#include "tiff_writer.h"
-#include "webp_writer.h"
+#include <puppetwarp/image/convert.h>
+#include <puppetwarp/image/exr_file.h>
+#include <puppetwarp/image/formats.h>
+#include <puppetwarp/image/jpeg_writer.h>
+#include <puppetwarp/image/png_writer.h>
+#include <puppetwarp/image/pnm_writer.h>
+#include <puppetwarp/image/tiff_writer.h>
+#include <puppetwarp/image/webp_writer.h>
 
 #include <algorithm>
 #include <string>

@@ -145,7 +145,7 @@ TEST_F(BadInput, UnknownNames) {
 }
 
 TEST_F(BadInput, MeshOptionsOutOfRange) {
-    expect_refused(puppetwarp_command({"mesh", good, "-o", folder / "m.off", "--min-angle-deg", "31"}), "31");
+    expect_refused(puppetwarp_command({"mesh", good, "-o", folder / "m.off", "--min-angle-deg", "31"}), "0 to 30");
     expect_refused(puppetwarp_command({"mesh", good, "-o", folder / "m.off", "--max-edge-px", "0"}), "max-edge-px");
     expect_refused(puppetwarp_command({"mesh", good, "-o", folder / "m.off", "--max-edge-px", "0.0001"}), "vert");
     expect_refused(puppetwarp_command({"mesh", good, "-o", folder / "m.stl"}), ".off");

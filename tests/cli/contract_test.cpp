@@ -103,8 +103,8 @@ TEST_F(Contract, PinsAreMet) {
     write_image(disc_picture(200, 200), folder / "in.png");
     for (const char* method : {"arap", "harmonic", "biharmonic"}) {
         const CommandResult result =
-            run({"warp", folder / "in.png", "--pin", "70,100", "--pin", "130,100:140.25,80.5", "--pin",
-                 "100,140:95,150", "--method", method, "-o", folder / "out.png", "--json"});
+            run({"warp", folder / "in.png", "--pin", "70,100", "--pin", "130,100:136.25,90.5", "--pin",
+                 "100,140:97,145", "--method", method, "-o", folder / "out.png", "--json"});
         ASSERT_EQ(result.exit_code, 0) << result.errors;
         const Json report = Json::parse(result.output);
         EXPECT_LT(report["max_handle_error_px"].get<double>(), 0.01) << method;

@@ -39,7 +39,7 @@ Cutout from_alpha(const Image& image) {
     }
     Cutout cutout{false, alpha_of(image)};
     tidy(cutout.matte);
-    require_visible(cutout.matte, "picture", "nothing in it is visible: alpha is 0 everywhere", "take the whole");
+    require_visible(cutout.matte, "picture", "every pixel is transparent", "there is no subject; use the cutout `whole` to warp it anyway");
     return cutout;
 }
 

@@ -14,7 +14,7 @@
 namespace puppetwarp {
 
 //! A point's disc by default, as a share of the bounding diagonal of the subject.
-inline constexpr double default_disc_share = 0.02;
+inline constexpr double default_disc_share = 0.03;
 //! A point this share of the bounding diagonal outside is on the border: nobody can place it better.
 inline constexpr double on_border = 1e-9;
 //! Handles nearer than this share of the bounding diagonal are in one place.

@@ -78,6 +78,7 @@ public:
           original_(original.pixels),
           canvas_(canvas) {
         const auto& rgba = background.rgba;
+        if (background.kind == Background::Kind::transparent) return;
         const bool grey = warped_.channels() <= 2;
         // Grey stays grey: a colour gives its luma.
         const double luma = 0.299 * rgba[0] + 0.587 * rgba[1] + 0.114 * rgba[2];
@@ -152,7 +153,9 @@ private:
 template <class T>
 cv::Mat laid_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas) {
     const Layers<T> layers(background, warped, original, canvas);
-    return layers.flattened(!layers.opaque());
+    const bool with_alpha = original.has_alpha() || !layers.opaque();
+    if (with_alpha && background.kind == Background::Kind::transparent) return warped.pixels;
+    return layers.flattened(with_alpha);
 }
 
 }  // namespace
@@ -178,7 +181,7 @@ Background background_from_name(std::string_view name) {
 }
 
 Image lay_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas) {
-    if (background.kind == Background::Kind::transparent || !warped.has_alpha()) return warped;
+    if (!warped.has_alpha()) return warped;
     switch (warped.pixels.depth()) {
         case CV_8U: return {laid_over<std::uint8_t>(background, warped, original, canvas), warped.metadata};
         case CV_16U: return {laid_over<std::uint16_t>(background, warped, original, canvas), warped.metadata};

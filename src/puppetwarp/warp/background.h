@@ -21,7 +21,7 @@ Background background_from_name(std::string_view name);
 //! \param original  the picture before the warp, for `keep`: shown where the canvas meets it.
 //! \param canvas    which part of image space `warped` shows.
 //! Grey pictures stay grey: a colour is laid down as its luma.
-//! The result has alpha only where the background leaves a pixel translucent somewhere.
+//! The result has alpha when `original` has, or when some pixel does not end up opaque.
 Image lay_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas);
 
 }  // namespace puppetwarp

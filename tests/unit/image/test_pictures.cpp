@@ -25,6 +25,8 @@ namespace {
 void start_vips() {
     static const int status = vips_init("unit_image");
     if (status != 0) throw std::runtime_error("libvips does not start");
+    // Tests write one name again and again; a cached picture would be the one before.
+    vips_cache_set_max(0);
 }
 
 [[noreturn]] void vips_failed() {

@@ -84,9 +84,8 @@ TEST_F(Pipeline, RestGivesThePictureBackThroughEveryFormatChoice) {
     RenderOptions jpeg;
     jpeg.format = "jpeg";
     const Rendered flat = render(puppet, find_pose(puppet, "rest"), jpeg, progress);
-    EXPECT_EQ(flat.image.pixels.channels(), 3);
-    EXPECT_EQ(flat.image.pixels.at<cv::Vec3b>(2, 2), cv::Vec3b(255, 255, 255));  // cut out: white
-    EXPECT_EQ(flat.image.pixels.at<cv::Vec3b>(40, 40), cv::Vec3b(200, 100, 50));
+    EXPECT_EQ(flat.image.pixels.at<cv::Vec4b>(2, 2), cv::Vec4b(255, 255, 255, 255));  // cut out: white
+    EXPECT_EQ(flat.image.pixels.at<cv::Vec4b>(40, 40), cv::Vec4b(200, 100, 50, 255));
     EXPECT_THAT(flat.report.lost, testing::Contains(testing::HasSubstr("alpha")));
 }
 

@@ -23,7 +23,9 @@ const char* const full_document = R"({
   "cutout": {
     "from": "polygon",
     "points": [[0, 0], [200, 0], [200, 300.25]],
-    "holes": [[[50, 50], [60, 50], [55, 60]]],
+    "holes": [
+      [[50, 50], [60, 50], [55, 60]]
+    ],
     "feather_px": 3
   },
   "background": "#10203040",

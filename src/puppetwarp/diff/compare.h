@@ -29,12 +29,16 @@ struct Comparison {
     int box_x = 0, box_y = 0, box_width = 0, box_height = 0;  //!< of the differing pixels; no size: none
 };
 
-//! Compares pixel by pixel; pictures of different size or channels are different, never padded.
-//! NaN equals only NaN. \throw InvalidInput  threshold outside 0-1.
+//! Compares pixel by pixel, alpha like any channel; pictures of different size or channels are different, never padded.
+//! Between integers the differences are exact; against a float picture, integers are first rounded to float.
+//! NaN equals only NaN, against anything else it is an infinite difference. \throw InvalidInput  threshold outside 0-1.
 Comparison compare(const Image& expected, const Image& actual, const CompareOptions& options = {});
 
-//! A picture that shows where and how much two pictures of one size differ: the expected picture in pale grey,
-//! differences over the threshold from yellow to red to black. 8-bit RGB, the size of `expected`.
+//! A picture that shows where and how much two pictures of one size differ: the expected picture in pale grey (over
+//! white), differences over the threshold from yellow (a trace) to red (a quarter of full scale) to black (full scale).
+//! So that a single pixel is found in a large picture, a pale violet square surrounds what differs, as far as 1/400 of
+//! the longer side (none below 400 px). 8-bit RGB, the size of `expected`.
+//! \throw InvalidInput  sizes or channel counts differ, threshold outside 0-1.
 Image heat_map(const Image& expected, const Image& actual, const CompareOptions& options = {});
 
 }  // namespace puppetwarp

@@ -8,30 +8,12 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
-#include <string>
-#include <utility>
-#include <vector>
-
-namespace {
-
-using Drawing = std::pair<std::string, puppetwarp::Image (*)()>;
-
-const std::vector<Drawing> kDrawings{
-    {"gingerbread", samples::draw_gingerbread},
-    {"figure", samples::draw_figure},
-    {"ring", samples::draw_ring},
-    {"tail", samples::draw_tail},
-    {"photo", samples::draw_photo},
-    {"jellyfish", samples::draw_jellyfish},
-};
-
-}  // namespace
 
 int main(int argc, char** argv) {
     try {
         const std::vector<std::string> arguments(argv + 1, argv + argc);
         const std::filesystem::path folder = arguments.empty() ? PUPPETWARP_IMAGES_DIR : arguments[0];
-        for (const auto& [name, draw] : kDrawings) {
+        for (const auto& [name, draw] : samples::all_samples()) {
             const bool wanted =
                 arguments.size() < 2 || std::find(arguments.begin() + 1, arguments.end(), name) != arguments.end();
             if (wanted) puppetwarp::write_image(draw(), folder / (name + ".png"), {.compression = 9});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace samples {
@@ -33,7 +34,7 @@ Vec mirrored(Vec p) {
     return {1000 - p.x, p.y};
 }
 
-std::vector<CurvePoint> outline_of(const Part& part) {
+Curve outline_of(const Part& part) {
     std::vector<CurvePoint> knots;
     const auto last = static_cast<float>(part.radii.size() - 1);
     for (std::size_t i = 0; i < part.radii.size(); ++i) {
@@ -49,7 +50,7 @@ std::vector<CurvePoint> outline_of(const Part& part) {
         }
     }
     curve.push_back(knots.back());
-    return curve;
+    return Curve(std::move(curve));
 }
 
 cv::Vec3f wood_colour(const cv::Vec3f& wood, float along, float across, float strength, std::uint32_t seed) {
@@ -61,7 +62,7 @@ cv::Vec3f wood_colour(const cv::Vec3f& wood, float along, float across, float st
 }
 
 void lay_part(Canvas& canvas, const Part& part, std::uint32_t seed) {
-    const std::vector<CurvePoint> curve = outline_of(part);
+    const Curve curve = outline_of(part);
     const float whole = length(part.to - part.from);
     const float widest = *std::max_element(part.radii.begin(), part.radii.end());
     const Field shape = field(kSize, [&](Vec p) { return tube(p, curve); });

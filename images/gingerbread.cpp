@@ -35,9 +35,9 @@ float crumb(Vec p) {
     return 1.3F * smooth_noise(p * 0.05F, 29) + 0.7F * smooth_noise(p * 0.14F, 31) - 3.2F * pores;
 }
 
-using Strokes = std::vector<std::vector<CurvePoint>>;
+using Strokes = std::vector<Curve>;
 
-std::vector<CurvePoint> zigzag(Vec from, Vec to, Vec swing, int turns, float radius) {
+Curve zigzag(Vec from, Vec to, Vec swing, int turns, float radius) {
     std::vector<CurvePoint> knots;
     for (int i = 0; i <= turns; ++i) {
         const float share = static_cast<float>(i) / static_cast<float>(turns);

@@ -45,7 +45,7 @@ cv::Vec3f bell_colour(Vec p) {
     return mix(colour, rgb(0xd8c8ff), 0.6F * edge);
 }
 
-std::vector<CurvePoint> tentacle(int index, int count) {
+Curve tentacle(int index, int count) {
     const float share = (static_cast<float>(index) + 0.5F) / static_cast<float>(count) * 2 - 1;
     const float reach = 430 + 150 * random_at(index, 0, 121), phase = 6.3F * random_at(index, 1, 121);
     std::vector<CurvePoint> knots;
@@ -60,7 +60,7 @@ std::vector<CurvePoint> tentacle(int index, int count) {
 void lay_tentacles(Canvas& canvas) {
     constexpr int kCount = 11;
     for (int i = 0; i < kCount; ++i) {
-        const std::vector<CurvePoint> curve = tentacle(i, kCount);
+        const Curve curve = tentacle(i, kCount);
         const Field cover = field(kSize, [&](Vec p) {
             if (p.y < kCrown.y - 60) return 0.0F;
             const CurvePlace place = nearest_on_curve(p, curve);
@@ -77,11 +77,11 @@ void lay_tentacles(Canvas& canvas) {
 void lay_arms(Canvas& canvas) {
     for (int i = 0; i < 4; ++i) {
         const float side = static_cast<float>(i) - 1.5F;
-        const std::vector<CurvePoint> curve = smooth_curve({{{360 + side * 34, 300}, 17},
-                                                            {{360 + side * 44, 420}, 25},
-                                                            {{360 + side * 40 + 16 * std::sin(side * 2), 540}, 22},
-                                                            {{360 + side * 54, 650}, 15},
-                                                            {{360 + side * 50 - 12 * std::sin(side * 3), 750}, 5}});
+        const Curve curve = smooth_curve({{{360 + side * 34, 300}, 17},
+                                          {{360 + side * 44, 420}, 25},
+                                          {{360 + side * 40 + 16 * std::sin(side * 2), 540}, 22},
+                                          {{360 + side * 54, 650}, 15},
+                                          {{360 + side * 50 - 12 * std::sin(side * 3), 750}, 5}});
         const auto frill = [&](Vec p) {
             const CurvePlace place = nearest_on_curve(p, curve);
             return place.distance + 5 * std::sin(place.along * 0.16F + side) * std::min(std::abs(place.across), 1.3F) +

@@ -95,8 +95,7 @@ cv::Vec3f pear_skin(Vec p) {
 }
 
 void lay_stem(Canvas& canvas) {
-    const std::vector<CurvePoint> stem =
-        smooth_curve({{{571, 276}, 8}, {{577, 240}, 6.5F}, {{592, 204}, 6.5F}, {{612, 180}, 9}});
+    const Curve stem = smooth_curve({{{571, 276}, 8}, {{577, 240}, 6.5F}, {{592, 204}, 6.5F}, {{612, 180}, 9}});
     const Field shape = field(kSize, [&](Vec p) { return tube(p, stem); });
     const Paint bark =
         paint(kSize, [](Vec p) { return rgb(0x5c4022) * (1 + 0.3F * fractal_noise(p * 0.12F, 2, 102)); });
@@ -105,7 +104,7 @@ void lay_stem(Canvas& canvas) {
 }
 
 void lay_leaf(Canvas& canvas) {
-    const std::vector<CurvePoint> rib =
+    const Curve rib =
         smooth_curve({{{588, 222}, 3}, {{640, 206}, 26}, {{700, 214}, 34}, {{756, 240}, 22}, {{792, 270}, 1.5F}}, 60);
     const Field shape = field(kSize, [&](Vec p) { return tube(p, rib); });
     const Paint green = paint(kSize, [&](Vec p) {

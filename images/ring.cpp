@@ -11,10 +11,10 @@ namespace samples {
 namespace {
 
 const cv::Size kSize(1000, 900);
-constexpr int kSteps = 10;  // pieces between two knots
+constexpr std::size_t kSteps = 10;  // pieces between two knots
 
 // From the end at the lower left up through the crossing, round the right lobe, the belly, the left lobe and back.
-std::vector<CurvePoint> pretzel() {
+Curve pretzel() {
     std::vector<CurvePoint> half{{{272, 668}, 36}, {{345, 575}, 42}, {{430, 488}, 46}, {{505, 415}, 48},
                                  {{575, 315}, 52}, {{660, 190}, 57}, {{775, 130}, 62}, {{880, 200}, 67},
                                  {{905, 350}, 72}, {{865, 510}, 79}, {{765, 645}, 87}, {{640, 725}, 93}};
@@ -22,7 +22,7 @@ std::vector<CurvePoint> pretzel() {
     knots.push_back({{500, 750}, 96});
     for (auto knot = half.rbegin(); knot != half.rend(); ++knot)
         knots.push_back({{1000 - knot->at.x, knot->at.y}, knot->radius});
-    return smooth_curve(knots, kSteps);
+    return smooth_curve(knots, static_cast<int>(kSteps));
 }
 
 cv::Vec3f crust(Vec p, const CurvePlace& place) {
@@ -42,7 +42,7 @@ float split(Vec p) {
 }
 
 // One stretch of the pretzel, shaded as a whole strand but laid only where `shown` says.
-void lay_strand(Canvas& canvas, const std::vector<CurvePoint>& strand, const Field& shown) {
+void lay_strand(Canvas& canvas, const Curve& strand, const Field& shown) {
     const Field shape = field(kSize, [&](Vec p) { return tube(p, strand); });
     const Field cover = coverage(shape).mul(shown);
     canvas.lay_inside(rgb(0x2a1005), blurred(moved(cover, {5, 9}), 9).mul(shown) * 0.75F);
@@ -56,11 +56,12 @@ void lay_strand(Canvas& canvas, const std::vector<CurvePoint>& strand, const Fie
     canvas.lay(lit(colour, height, {.contrast = 0.95F, .highlight = 0.55F, .gloss = 30}), cover);
 }
 
-std::vector<Vec> salt_places(const std::vector<CurvePoint>& curve) {
+std::vector<Vec> salt_places(const Curve& curve) {
     std::vector<Vec> places;
     for (int i = 0; i < 150; ++i) {
         const float share = random_at(i, 0, 51);
-        const CurvePoint& point = curve[static_cast<std::size_t>(share * static_cast<float>(curve.size() - 1))];
+        const CurvePoint& point =
+            curve.points()[static_cast<std::size_t>(share * static_cast<float>(curve.points().size() - 1))];
         const float aside = (random_at(i, 1, 51) - 0.5F) * 1.5F * point.radius;
         const Vec place = point.at + direction(360 * random_at(i, 2, 51)) * aside;
         const bool free =
@@ -83,7 +84,7 @@ float salt_shape(Vec p, const std::vector<Vec>& places) {
     return nearest;
 }
 
-void lay_salt(Canvas& canvas, const std::vector<CurvePoint>& curve) {
+void lay_salt(Canvas& canvas, const Curve& curve) {
     const std::vector<Vec> places = salt_places(curve);
     const Field shape = field(kSize, [&](Vec p) { return salt_shape(p, places); });
     const Field cover = coverage(shape);
@@ -98,10 +99,10 @@ void lay_salt(Canvas& canvas, const std::vector<CurvePoint>& curve) {
 
 puppetwarp::Image draw_ring() {
     Canvas canvas(kSize);
-    const std::vector<CurvePoint> whole = pretzel();
-    const std::vector<CurvePoint> first_end(whole.begin(), whole.begin() + 6 * kSteps);
-    const std::vector<CurvePoint> last_end(whole.end() - 6 * kSteps, whole.end());
-    const std::vector<CurvePoint> ring(whole.begin() + 3 * kSteps, whole.end() - 3 * kSteps);
+    const Curve whole = pretzel();
+    const std::size_t last = whole.points().size() - 1;
+    const Curve first_end = whole.part(0, 6 * kSteps), last_end = whole.part(last - 6 * kSteps, last);
+    const Curve ring = whole.part(3 * kSteps, last - 3 * kSteps);
     const Field everywhere(kSize, 1.0F);
     // The ends start to lie on top above the crossing, where nothing else is near.
     const Field ends = field(kSize, [](Vec p) { return smooth_step(296, 304, p.y); });

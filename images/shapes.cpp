@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace samples {
 
@@ -86,7 +87,24 @@ float join(float a, float b, float fillet) {
     return std::min(a, b) - overlap * overlap / (4 * fillet);
 }
 
-std::vector<CurvePoint> smooth_curve(const std::vector<CurvePoint>& knots, int steps) {
+Curve::Curve(std::vector<CurvePoint> points)
+    : points_(std::move(points)), low_(points_.front().at), high_(points_.front().at) {
+    for (const CurvePoint& point : points_) {
+        low_ = {std::min(low_.x, point.at.x - point.radius), std::min(low_.y, point.at.y - point.radius)};
+        high_ = {std::max(high_.x, point.at.x + point.radius), std::max(high_.y, point.at.y + point.radius)};
+    }
+}
+
+Curve Curve::part(std::size_t first, std::size_t last) const {
+    const auto begin = points_.begin();
+    return Curve({begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(last) + 1});
+}
+
+float Curve::distance_to_box(Vec p) const {
+    return length({std::max({low_.x - p.x, p.x - high_.x, 0.0F}), std::max({low_.y - p.y, p.y - high_.y, 0.0F})});
+}
+
+Curve smooth_curve(const std::vector<CurvePoint>& knots, int steps) {
     std::vector<CurvePoint> curve;
     const int last = static_cast<int>(knots.size()) - 1;
     const auto knot = [&](int i) { return knots[static_cast<std::size_t>(std::clamp(i, 0, last))]; };
@@ -101,15 +119,18 @@ std::vector<CurvePoint> smooth_curve(const std::vector<CurvePoint>& knots, int s
         }
     }
     curve.push_back(knots.back());
-    return curve;
+    return Curve(std::move(curve));
 }
 
-CurvePlace nearest_on_curve(Vec p, const std::vector<CurvePoint>& curve) {
+CurvePlace nearest_on_curve(Vec p, const Curve& curve) {
     CurvePlace best;
+    best.distance = curve.distance_to_box(p);
+    if (best.distance > 64) return best;
+    const std::vector<CurvePoint>& points = curve.points();
     best.distance = std::numeric_limits<float>::max();
     float walked = 0;
-    for (std::size_t i = 0; i + 1 < curve.size(); ++i) {
-        const CurvePoint &a = curve[i], &b = curve[i + 1];
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+        const CurvePoint &a = points[i], &b = points[i + 1];
         const float share = nearest_share(p, a.at, b.at), step = length(b.at - a.at);
         const Vec offset = p - (a.at + (b.at - a.at) * share);
         const float radius = mix(a.radius, b.radius, share), distance = length(offset) - radius;
@@ -122,7 +143,7 @@ CurvePlace nearest_on_curve(Vec p, const std::vector<CurvePoint>& curve) {
     return best;
 }
 
-float tube(Vec p, const std::vector<CurvePoint>& curve) {
+float tube(Vec p, const Curve& curve) {
     return nearest_on_curve(p, curve).distance;
 }
 

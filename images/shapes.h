@@ -35,8 +35,24 @@ struct CurvePoint {
     float radius = 0;
 };
 
+//! Points joined by straight pieces, with a radius at each.
+class Curve {
+public:
+    explicit Curve(std::vector<CurvePoint> points);
+
+    const std::vector<CurvePoint>& points() const { return points_; }
+    //! From one point to another, both inclusive.
+    Curve part(std::size_t first, std::size_t last) const;
+    //! How far outside the box around all of it p lies; 0 inside.
+    float distance_to_box(Vec p) const;
+
+private:
+    std::vector<CurvePoint> points_;
+    Vec low_, high_;
+};
+
 //! Catmull-Rom through the knots, `steps` pieces between two.
-std::vector<CurvePoint> smooth_curve(const std::vector<CurvePoint>& knots, int steps = 12);
+Curve smooth_curve(const std::vector<CurvePoint>& knots, int steps = 12);
 
 //! Where on a curve the point nearest to p lies.
 struct CurvePlace {
@@ -45,8 +61,9 @@ struct CurvePlace {
     float across = 0;    //!< -1 to 1 from the left edge to the right edge
     float radius = 0;
 };
-CurvePlace nearest_on_curve(Vec p, const std::vector<CurvePoint>& curve);
-float tube(Vec p, const std::vector<CurvePoint>& curve);
+//! More than 64 px outside the curve's box only `distance` is set, and is at most the true one.
+CurvePlace nearest_on_curve(Vec p, const Curve& curve);
+float tube(Vec p, const Curve& curve);
 //! Height of a round tube over the plane of its axis.
 float tube_height(const CurvePlace& place);
 

@@ -50,7 +50,7 @@ float stripes(float value, float sharpness = 0.35F) {
     return smooth_step(0.15F, 0.15F + sharpness, std::sin(value));
 }
 
-std::vector<CurvePoint> tail_curve() {
+Curve tail_curve() {
     return smooth_curve({{{440, 800}, 14},
                          {{545, 842}, 13},
                          {{680, 850}, 12},
@@ -71,7 +71,7 @@ std::vector<CurvePoint> tail_curve() {
 }
 
 void lay_tail(Canvas& canvas) {
-    const std::vector<CurvePoint> curve = tail_curve();
+    const Curve curve = tail_curve();
     const Field shape = field(kSize, [&](Vec p) { return tube(p, curve) + 0.9F * hair(p * 1.4F); });
     const auto colour = [&](Vec p) {
         const CurvePlace place = nearest_on_curve(p, curve);
@@ -205,8 +205,7 @@ void lay_head(Canvas& canvas) {
 // Laid first: soft alpha around the feet and along the part of the tail that lies on the ground.
 void lay_ground_shadow(Canvas& canvas) {
     const Field spot = coverage(field(kSize, [](Vec p) { return ellipse(p, {kMiddle + 20, 858}, {225, 22}); }));
-    const std::vector<CurvePoint> lying =
-        smooth_curve({{{480, 842}, 10}, {{570, 858}, 10}, {{690, 862}, 9}, {{775, 836}, 5}});
+    const Curve lying = smooth_curve({{{480, 842}, 10}, {{570, 858}, 10}, {{690, 862}, 9}, {{775, 836}, 5}});
     const Field streak = coverage(field(kSize, [&](Vec p) { return tube(p, lying); }));
     const Field under_cat = blurred(spot, 15) * 0.55F, under_tail = blurred(streak, 6) * 0.5F;
     canvas.lay(rgb(0x1a1210), cv::max(under_cat, under_tail));

@@ -38,11 +38,13 @@ TEST_P(Golden, PoseLooksAsItDidWhenAPersonLookedAtIt) {
     const fs::path heat_map = folder / (golden.name() + ".heatmap.png");
     fs::remove(heat_map);
 
-    const CommandResult warped =
-        puppetwarp_command({"warp", source / "images" / (golden.sample + ".puppet.json"), "--pose", golden.pose,
-                            "--canvas", golden.canvas, "--compression", "9", "--fail-on-fold", "-o", actual});
+    const char* update = std::getenv("PUPPETWARP_UPDATE_GOLDENS");
+    const bool updating = update && std::string(update) == "1";
+    const CommandResult warped = puppetwarp_command({"warp", source / "images" / (golden.sample + ".puppet.json"),
+                                                     "--pose", golden.pose, "--canvas", golden.canvas, "--compression",
+                                                     updating ? "9" : "1", "--fail-on-fold", "-o", actual});
     ASSERT_EQ(warped.exit_code, 0) << warped.errors;
-    if (const char* update = std::getenv("PUPPETWARP_UPDATE_GOLDENS"); update && std::string(update) == "1") {
+    if (updating) {
         fs::copy_file(actual, expected, fs::copy_options::overwrite_existing);
         return;
     }

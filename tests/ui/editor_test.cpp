@@ -104,7 +104,7 @@ TEST_F(EditorTest, SettingAPinMovesNothing) {
 
 TEST_F(EditorTest, WhatIsShownAtRestIsWhatTheCommandRenders) {
     open(picture);
-    for (const Point at : {Point(20, 20), Point(100, 70), Point(20, 70)}) click(at);
+    for (const Point& at : {Point(20, 20), Point(100, 70), Point(20, 70)}) click(at);
     drag({100, 70}, {80, 40});
     settle();
     for (const Method method : {Method::harmonic, Method::biharmonic, Method::arap}) {

@@ -35,7 +35,7 @@ TEST(ViewTransformTest, ZoomKeepsWhatIsUnderThePointerAlsoAtTheLimits) {
 }
 
 TEST(ViewTransformTest, FitShowsTheWholePictureInTheMiddle) {
-    for (const Point size : {Point(4000, 100), Point(100, 4000), Point(3000, 3000), Point(10, 10)}) {
+    for (const Point& size : {Point(4000, 100), Point(100, 4000), Point(3000, 3000), Point(10, 10)}) {
         ViewTransform view;
         view.fit(size.x(), size.y(), viewport);
         EXPECT_TRUE(viewport.contains(view.screen_from_image({0, 0})));

@@ -10,7 +10,7 @@ namespace puppetwarp::ui {
 namespace {
 
 void set(History<std::string>& history, const std::string& value) {
-    auto edit = history.edit("set " + value);
+    auto edit = history.edit(std::string("set ").append(value));
     edit.value() = value;
     edit.commit();
 }
@@ -19,7 +19,7 @@ TEST(HistoryTest, AnEditShowsAtOnceAndIsRolledBackUnlessCommitted) {
     History<std::string> history("a");
     {
         auto edit = history.edit("half");
-        edit.value() = "b";
+        edit.value() = std::string("b");
         EXPECT_EQ(history.current(), "b");
         EXPECT_TRUE(history.editing());
         EXPECT_TRUE(history.modified());
@@ -35,7 +35,7 @@ TEST(HistoryTest, AnEditThatMovesOnIsStillOneEdit) {
     {
         auto edit = history.edit("moved");
         auto heir = std::move(edit);
-        heir.value() = "b";
+        heir.value() = std::string("b");
         heir.commit();
     }
     EXPECT_EQ(history.current(), "b");
@@ -126,7 +126,7 @@ TEST(HistoryTest, BehavesAsAListOfValues) {
                     history.redo();
                 }
                 break;
-            default: history.edit("given up").value() = "nothing"; break;
+            default: history.edit("given up").value() = std::string("nothing"); break;
         }
         ASSERT_EQ(history.current(), values[at]);
     }

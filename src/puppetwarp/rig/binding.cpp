@@ -4,6 +4,8 @@
 #include <puppetwarp/mesh/locate.h>
 #include <puppetwarp/mesh/operators.h>
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -41,6 +43,8 @@ public:
 private:
     double distance(int vertex, const Point& p) const { return (mesh_.V.row(vertex).transpose() - p).norm(); }
     std::vector<int> reachable(int triangle, const Point& centre, double radius) const;
+    bool centre_mean(ComplexRow& row, const Point& centre) const;
+    double longest_edge(int triangle) const;
     ComplexRow mean_over_disc(const std::vector<int>& vertices, const Point& centre, double radius) const;
     ComplexRow turn_over_disc(const std::vector<int>& vertices, const Point& centre, double radius, int triangle) const;
 
@@ -93,6 +97,25 @@ ComplexRow Holder::mean_over_disc(const std::vector<int>& vertices, const Point&
     return row;
 }
 
+// Tilts the weights so that the mean lies at the centre itself: what follows a rigid motion of the handle is then the
+// rigid motion. \return false, and nothing is changed, where a weight would turn negative.
+bool Holder::centre_mean(ComplexRow& row, const Point& centre) const {
+    Eigen::Vector2d first = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
+    const auto arm = [&](int vertex) -> Eigen::Vector2d { return mesh_.V.row(vertex).transpose() - centre; };
+    for (const auto& [vertex, weight] : row) {
+        first += weight.real() * arm(vertex);
+        second += weight.real() * arm(vertex) * arm(vertex).transpose();
+    }
+    const Eigen::Vector2d tilt = -second.ldlt().solve(first);
+    const double scale = 1 / (1 + first.dot(tilt));
+    for (const auto& [vertex, weight] : row) {
+        if (!(scale * (1 + tilt.dot(arm(vertex))) > 0)) return false;
+    }
+    for (auto& [vertex, weight] : row) weight *= scale * (1 + tilt.dot(arm(vertex)));
+    return true;
+}
+
 ComplexRow Holder::turn_over_disc(const std::vector<int>& vertices, const Point& centre, double radius,
                                   int triangle) const {
     std::vector<int> triangles;
@@ -135,6 +158,15 @@ ComplexRow Holder::turn_over_disc(const std::vector<int>& vertices, const Point&
     return merged;
 }
 
+double Holder::longest_edge(int triangle) const {
+    double longest = 0;
+    for (int k = 0; k < 3; ++k) {
+        const Point p = mesh_.V.row(mesh_.F(triangle, k)), q = mesh_.V.row(mesh_.F(triangle, (k + 1) % 3));
+        longest = std::max(longest, (q - p).norm());
+    }
+    return longest;
+}
+
 Hold Holder::hold_point(const std::string& id, const PointHandle& point) const {
     const MeshLocation location = locator_.locate(point.at);
     if (location.distance_px > on_border * size_) throw_outside(id, location.distance_px);
@@ -145,10 +177,13 @@ Hold Holder::hold_point(const std::string& id, const PointHandle& point) const {
     hold.component = component_(mesh_.F(location.triangle, 0));
     hold.radius_px = point.radius_px.value_or(default_disc_share * size_);
     std::vector<int> vertices = reachable(location.triangle, point.at, hold.radius_px);
-    if (vertices.size() >= 3) {
-        hold.mean = mean_over_disc(vertices, point.at, hold.radius_px);
-    } else {
+    if (vertices.size() >= 3) hold.mean = mean_over_disc(vertices, point.at, hold.radius_px);
+    const bool centred = vertices.size() >= 3 && centre_mean(hold.mean, point.at);
+    // Where the outline cuts the disc, its mean lies inside of the point and stays there. A disc that is smaller than
+    // the triangles around it has no mean worth the name: the triangle takes its place.
+    if (!centred && (vertices.size() < 3 || hold.radius_px < longest_edge(location.triangle))) {
         vertices.clear();
+        hold.mean.clear();
         hold.radius_px = std::sqrt(double_areas_(location.triangle));
         for (int k = 0; k < 3; ++k) {
             const double weight = location.barycentric(k);

@@ -42,8 +42,9 @@ struct HoldTarget {
 };
 
 //! Takes hold of a mesh with points and vertices. A point holds the vertices of its disc that are connected to it
-//! inside the disc, weighted by area times (1 - (d / r)^2)^2; a disc of fewer than three vertices falls back to the
-//! triangle below the point.
+//! inside the disc, weighted by area times (1 - (d / r)^2)^2 and tilted so that their mean is the point
+//! itself where the outline leaves enough of the disc; a disc that is too small for the mesh falls back to
+//! the triangle below the point.
 //! \param user  who asks, for messages: a method's name.
 //! \throw InvalidInput  no handles, handles of other types, a point outside the mesh, an index out of range.
 std::vector<Hold> take_hold(const TriangleMesh& mesh, const Rig& rig, std::string_view user);

@@ -2,6 +2,7 @@
 
 #include <puppetwarp/deform/deformer.h>
 #include <puppetwarp/mesh/operators.h>
+#include <puppetwarp/rig/binding.h>
 
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
@@ -103,7 +104,7 @@ TEST_P(PolyharmonicTest, MeetsAnglesOfItsDiscs) {
     const Deformation result = deformed(GetParam(), mesh, rig, pose);
     EXPECT_LT(result.max_handle_error_px, 1e-9);
     // Seen from outside.
-    const double disc = 0.02 * bounding_diagonal(mesh.V);
+    const double disc = default_disc_share * bounding_diagonal(mesh.V);
     const std::complex<double> hand = reference::mean_turn(mesh, result.V, 400 * places::right_hand, disc);
     EXPECT_LT(std::abs(hand - std::polar(1.0, 0.5)), 1e-9);
     const std::complex<double> head = reference::mean_turn(mesh, result.V, 400 * places::head, disc);

@@ -37,7 +37,8 @@ TEST(Background, ColoursAreBlendedWithOneRounding) {
             image.pixels.at<cv::Vec4b>(a, v) = {static_cast<uchar>(v), 0, 255, static_cast<uchar>(a)};
         }
     }
-    const Image result = lay_over(background_from_name("#40c081"), image, image, {0, 0, 256, 256});
+    const Image original{cv::Mat(256, 256, CV_8UC3, cv::Scalar::all(0)), {}};
+    const Image result = lay_over(background_from_name("#40c081"), image, original, {0, 0, 256, 256});
     ASSERT_EQ(result.pixels.type(), CV_8UC3);
     const int behind[3] = {0x40, 0xc0, 0x81};
     for (int a = 0; a < 256; ++a) {
@@ -48,6 +49,19 @@ TEST(Background, ColoursAreBlendedWithOneRounding) {
             }
         }
     }
+}
+
+TEST(Background, AlphaStaysWhereThePictureHadItAndGoesWhereItHadNone) {
+    Image translucent{cv::Mat(1, 2, CV_8UC4, cv::Scalar(10, 20, 30, 128)), {}};
+    const Image without{cv::Mat(1, 2, CV_8UC3, cv::Scalar(1, 2, 3)), {}};
+    const Image with = lay_over(background_from_name("#ffffff"), translucent, translucent, {0, 0, 2, 1});
+    ASSERT_EQ(with.pixels.type(), CV_8UC4);
+    EXPECT_EQ(with.pixels.at<cv::Vec4b>(0, 0)[3], 255);
+
+    Image opaque{cv::Mat(1, 2, CV_8UC4, cv::Scalar(10, 20, 30, 255)), {}};
+    EXPECT_EQ(lay_over(Background(), opaque, without, {0, 0, 2, 1}).pixels.type(), CV_8UC3);
+    EXPECT_EQ(lay_over(Background(), translucent, without, {0, 0, 2, 1}).pixels.type(), CV_8UC4);
+    EXPECT_EQ(lay_over(Background(), opaque, translucent, {0, 0, 2, 1}).pixels.type(), CV_8UC4);
 }
 
 TEST(Background, TranslucentColoursKeepAlpha) {
@@ -93,7 +107,8 @@ TEST(Background, GreyStaysGrey) {
     Image image{cv::Mat(1, 2, CV_32FC2), {}};
     image.pixels.at<cv::Vec2f>(0, 0) = {0.25F, 1};
     image.pixels.at<cv::Vec2f>(0, 1) = {0.5F, 0.5F};
-    const Image result = lay_over(background_from_name("#ffffff"), image, image, {0, 0, 2, 1});
+    const Image original{cv::Mat(1, 2, CV_32FC1, cv::Scalar::all(0)), {}};
+    const Image result = lay_over(background_from_name("#ffffff"), image, original, {0, 0, 2, 1});
     ASSERT_EQ(result.pixels.type(), CV_32FC1);
     EXPECT_FLOAT_EQ(result.pixels.at<float>(0, 0), 0.25F);
     EXPECT_FLOAT_EQ(result.pixels.at<float>(0, 1), 0.75F);

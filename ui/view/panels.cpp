@@ -204,16 +204,21 @@ void draw_message(const Editor& editor) {
     const Message& message = editor.message();
     const std::string& trouble = editor.shape() ? editor.shape()->error : message.text;
     if (message.kind == Message::Kind::error) {
-        ImGui::TextColored(colours::error, "✖  %s", message.text.c_str());
+        ImGui::TextColored(colours::error, "⚠  %s", message.text.c_str());
     } else if (editor.exporting()) {
         ImGui::Text("%s  %.0f %%", message.text.c_str(), editor.export_fraction() * 100);
     } else if (editor.shape() && !trouble.empty()) {
-        ImGui::TextColored(colours::error, "✖  %s", trouble.c_str());
+        ImGui::TextColored(colours::error, "⚠  %s", trouble.c_str());
     } else if (message.kind == Message::Kind::info) {
         ImGui::TextUnformatted(message.text.c_str());
     } else {
         const bool waits = !editor.settled() && !editor.tool().dragging();
         ImGui::TextDisabled("%s", !editor.has_document() ? "" : waits ? "Working…" : "Ready");
+    }
+    const bool cut_off = ImGui::GetItemRectMax().x > ImGui::GetIO().DisplaySize.x;
+    if (cut_off && ImGui::IsItemHovered()) {
+        const bool own = message.kind == Message::Kind::error;
+        ImGui::SetTooltip("%s", (own ? message.text : trouble).c_str());
     }
 }
 
@@ -233,8 +238,10 @@ void draw_figures(const Editor& editor, const Canvas& canvas) {
     char flips[64] = "";
     const int flipped = shape->distortion.flipped_triangles;
     if (flipped > 0) std::snprintf(flips, sizeof flips, "%d flipped   ", flipped);
-    const float width = ImGui::CalcTextSize(text).x + ImGui::CalcTextSize(flips).x;
-    ImGui::SameLine(ImGui::GetWindowWidth() - width - 24);
+    const float start = ImGui::GetWindowWidth() - ImGui::CalcTextSize(text).x - ImGui::CalcTextSize(flips).x - 24;
+    // A long message is worth more than the figures.
+    if (ImGui::GetItemRectMax().x > start - 16) return;
+    ImGui::SameLine(start);
     if (flipped > 0) {
         ImGui::TextColored(colours::warning, "%s", flips);
         ImGui::SameLine(0, 0);

@@ -39,7 +39,8 @@ Cutout from_alpha(const Image& image) {
     }
     Cutout cutout{false, alpha_of(image)};
     tidy(cutout.matte);
-    require_visible(cutout.matte, "picture", "every pixel is transparent", "there is no subject; use the cutout `whole` to warp it anyway");
+    require_visible(cutout.matte, "picture", "every pixel is transparent",
+                    "there is no subject; use the cutout `whole` to warp it anyway");
     return cutout;
 }
 

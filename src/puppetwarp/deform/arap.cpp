@@ -136,8 +136,7 @@ ArapDeformer::Problem ArapDeformer::problem_of(const std::vector<Goal>& goals, c
     }
     ConstraintSpace::Rows C(static_cast<Eigen::Index>(d.size()), system_.unknowns());
     C.setFromTriplets(entries.begin(), entries.end());
-    return {ConstraintSpace(std::move(C)),
-            Eigen::Map<const Eigen::VectorXd>(d.data(), static_cast<Eigen::Index>(d.size()))};
+    return {ConstraintSpace(C), Eigen::Map<const Eigen::VectorXd>(d.data(), static_cast<Eigen::Index>(d.size()))};
 }
 
 // Whether x is a minimum of no energy that meets its constraints already: rest, and rigid motions of it.

@@ -55,6 +55,7 @@ std::string name_of(const Table& table, Enum value) {
 
 std::vector<std::string> method_names() {
     std::vector<std::string> names;
+    names.reserve(methods.size());
     for (const auto& entry : methods) names.emplace_back(entry.name);
     return names;
 }

@@ -35,7 +35,7 @@ TriangleMesh read_mesh(const fs::path& path) {
     if (extension != ".off" && extension != ".obj") refuse_extension(path);
     const std::string text = read_file(path, largest_file);
     const std::string subject = path.string();
-    const TriangleMesh mesh = extension == ".off" ? mesh_from_off(text, subject) : mesh_from_obj(text, subject);
+    TriangleMesh mesh = extension == ".off" ? mesh_from_off(text, subject) : mesh_from_obj(text, subject);
     require_sound(mesh, subject.c_str());
     return mesh;
 }

@@ -85,7 +85,7 @@ Line fitted_line(const std::vector<Gate>& gates, const Bend& from, const Bend& t
 Point joint(const Line& before, const Line& after, const Point& near) {
     const double sine = cross(before.direction, after.direction);
     if (std::abs(sine) > 1e-3) {
-        const Point crossing =
+        Point crossing =
             before.through + before.direction * (cross(after.through - before.through, after.direction) / sine);
         if ((crossing - near).squaredNorm() <= 1) return crossing;
     }
@@ -99,7 +99,7 @@ std::vector<Bend> taut_string(const std::vector<Gate>& gates) {
     // Any point of the curve serves to start from; one of its bends surely is on the closed string too.
     const std::vector<Bend> trial = pull(gates, 0, gates[0].middle);
     if (trial.size() < 3) return {};
-    const Bend start = trial[trial.size() / 2];
+    const Bend& start = trial[trial.size() / 2];
     std::vector<Bend> bends{start};
     for (const Bend& bend : pull(gates, start.gate, start.at)) {
         if (bend.gate != bends.back().gate) bends.push_back(bend);

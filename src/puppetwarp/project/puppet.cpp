@@ -28,7 +28,7 @@ std::string moved_path(const std::string& path, const fs::path& from, const fs::
 // Short lists of numbers stay on one line: a point is one thing, and a moved point is one changed line.
 std::string dump(const Json& json, int indent) {
     const std::string pad(static_cast<std::size_t>(indent) + 2, ' ');
-    const std::string flat = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    std::string flat = json.dump(-1, ' ', false, Json::error_handler_t::replace);
     if (!json.is_structured() || json.empty()) return flat;
     const bool numbers =
         json.is_array() && std::all_of(json.begin(), json.end(), [](const Json& value) {

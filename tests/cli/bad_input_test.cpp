@@ -217,7 +217,7 @@ TEST_F(BadInput, ReadOnlyFolder) {
     // Root may write everywhere: then the command runs as nobody.
     constexpr uid_t nobody = 65534;
     const CommandResult result = puppetwarp_command({"warp", good, "--pin", "60,50", "-o", out}, [] {
-        if (::geteuid() == 0 && ::setuid(nobody) != 0) ::_exit(126);
+        if (::geteuid() == 0 && (::setgid(nobody) != 0 || ::setuid(nobody) != 0)) ::_exit(126);
     });
     if (result.exit_code == 127) GTEST_SKIP() << "the program lies in a folder that only root can read";
     expect_refused(result, "cannot be written");

@@ -36,7 +36,8 @@ void add_global_options(CLI::App& app, GlobalOptions& global) {
     app.add_flag("-v,--verbose", global.verbose, "Tell what each stage took");
     app.set_help_flag("-h,--help", "Print this help");
     app.fallthrough();
-    app.require_subcommand(1);
+    app.require_subcommand(0, 1);
+    app.allow_extras(false);
 }
 
 }  // namespace
@@ -62,11 +63,17 @@ int run(int argc, const char* const* argv) {
         add_info_command(app, global, exit_code);
         app.footer("Example:\n  puppetwarp warp photo.jpg --pin 100,200 --pin 320,90:360,40 -o out.jpg");
         app.parse(argc, argv);
+        if (app.get_subcommands().empty()) {
+            throw InvalidInput("usage", "no subcommand is given", "see puppetwarp --help");
+        }
         std::cout.flush();
         if (!std::cout) throw MachineFault("standard output", "cannot be written");
         return exit_code;
     } catch (const CLI::Success& success) {  // --help and --version
-        return app.exit(success);
+        const int code = app.exit(success);
+        if (std::cout.flush()) return code;
+        print_error("standard output: cannot be written");
+        return machine_fault;
     } catch (const CLI::ParseError& error) {
         return complain_of_usage(app, error);
     } catch (const InvalidInput& error) {

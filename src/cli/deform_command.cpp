@@ -9,6 +9,7 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 namespace puppetwarp::cli {
 
@@ -17,9 +18,9 @@ namespace {
 struct DeformRequest {
     std::string mesh;
     std::string rig;
-    std::string pose;
-    std::string method;
-    std::string arap_energy;
+    std::optional<std::string> pose;
+    std::optional<std::string> method;
+    std::optional<std::string> arap_energy;
     std::optional<int> max_iterations;
     std::optional<double> tolerance;
     std::string output;
@@ -29,8 +30,8 @@ struct DeformRequest {
 };
 
 MethodOptions method_options(const DeformRequest& request, MethodOptions options) {
-    if (!request.method.empty()) options.method = method_from_name(request.method);
-    if (!request.arap_energy.empty()) options.arap_energy = arap_energy_from_name(request.arap_energy);
+    if (request.method) options.method = method_from_name(*request.method);
+    if (request.arap_energy) options.arap_energy = arap_energy_from_name(*request.arap_energy);
     if (request.max_iterations) options.max_iterations = *request.max_iterations;
     if (request.tolerance) options.tolerance = *request.tolerance;
     return options;
@@ -69,15 +70,15 @@ double milliseconds_since(std::chrono::steady_clock::time_point& last) {
 }
 
 int deform_mesh(const DeformRequest& request, const GlobalOptions& global) {
-    request.report.require_free_stdout(request.output);
     require_known_extension(request.output);
-    require_other_file(request.output, {request.mesh, request.rig}, request.force);
+    require_good_outputs({{request.mesh, request.rig}, {request.output, request.report.file}, request.report.json},
+                         request.force);
     auto last = std::chrono::steady_clock::now();
     RenderReport report;
     const Puppet puppet = read_puppet(request.rig);
     const TriangleMesh mesh = read_mesh(request.mesh);
     if (puppet.rig.handles.empty()) throw InvalidInput(request.rig, "has no handles", "add at least one");
-    const Pose pose = request.pose.empty() ? default_pose(puppet) : find_pose(puppet, request.pose);
+    const Pose pose = request.pose ? find_pose(puppet, *request.pose) : default_pose(puppet);
     report.timings_ms.emplace_back("read", milliseconds_since(last));
     const MethodOptions options = method_options(request, puppet.method);
     const std::unique_ptr<Deformer> deformer = make_deformer(options, mesh, puppet.rig);

@@ -25,12 +25,10 @@ struct DiffRequest {
 };
 
 int compare_pictures(const DiffRequest& request, const GlobalOptions& global) {
-    request.report.require_free_stdout(request.heatmap);
     const CompareOptions options{parse_threshold(request.threshold)};
-    if (!request.heatmap.empty()) {
-        output_format(request.heatmap);  // complains before any work
-        require_other_file(request.heatmap, {request.expected, request.actual}, false);
-    }
+    if (!request.heatmap.empty()) output_format(request.heatmap);  // complains before any work
+    require_good_outputs(
+        {{request.expected, request.actual}, {request.heatmap, request.report.file}, request.report.json}, false);
     // Reading takes far longer than comparing: both at once. Errors name the expected picture first.
     const ReadOptions read{request.max_pixels};
     std::future<Image> reading = std::async(std::launch::async, [&] { return read_image(request.actual, read); });
@@ -42,7 +40,7 @@ int compare_pictures(const DiffRequest& request, const GlobalOptions& global) {
         write_image(heat_map(expected, actual, options), request.heatmap);
     }
     request.report.emit(report_json(comparison));
-    if (!request.report.json && !global.quiet && request.heatmap != "-") {
+    if (!request.report.json && request.report.file != "-" && !global.quiet && request.heatmap != "-") {
         std::cout << (comparison.same ? "same" : "different: " + comparison.reason) << '\n';
     }
     return comparison.same ? done : answer_is_no;

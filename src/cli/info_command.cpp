@@ -72,11 +72,16 @@ Json describe_puppet(const std::string& file) {
               {"method", method_name(puppet.method.method)},
               {"handles", handles},
               {"poses", poses}};
-    if (!puppet.image.empty()) {
-        const ImageInfo picture = read_image_info(resolve(puppet, puppet.image));
-        json["width"] = picture.width;
-        json["height"] = picture.height;
-    }
+    if (puppet.image.empty()) return json;
+    // Sound is what can be warped: everything but the warp itself is tried.
+    const Image image = load_image(puppet);
+    json["width"] = image.width();
+    json["height"] = image.height();
+    const Cutout cutout = cut_out_subject(puppet, image);
+    const TriangleMesh mesh = mesh_subject(puppet, outline_subject(puppet, image.width(), image.height(), cutout));
+    json["vertices"] = mesh.V.rows();
+    json["triangles"] = mesh.F.rows();
+    if (!puppet.rig.handles.empty()) make_deformer(puppet.method, mesh, puppet.rig);
     return json;
 }
 
@@ -105,11 +110,12 @@ int describe_all(const InfoRequest& request) {
             if (!request.json) print_for_people(descriptions.back());
         } catch (const InvalidInput& error) {
             print_error(error.what());
+            descriptions.push_back({{"file", file}, {"error", error.what()}});
             exit_code = user_error;
         }
     }
     if (request.json) {
-        const Json& result = request.files.size() == 1 && !descriptions.empty() ? descriptions[0] : descriptions;
+        const Json& result = request.files.size() == 1 ? descriptions[0] : descriptions;
         std::cout << result.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
     }
     return exit_code;

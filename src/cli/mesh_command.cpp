@@ -44,7 +44,7 @@ int make_mesh(const MeshRequest& request, const GlobalOptions& global) {
     }
     Puppet puppet = open_puppet(request.input);
     apply(request, puppet.mesh);
-    require_other_file(request.output, {request.input, resolve(puppet, puppet.image)}, request.force);
+    require_good_outputs({input_files(request.input, puppet), {request.output}}, request.force);
     const ReadOptions read{request.max_pixels};
     const Image image = load_image(puppet, read);
     const Cutout cutout = cut_out_subject(puppet, image, read);

@@ -30,6 +30,20 @@ std::optional<double> number_from(std::string_view text) {
     return value;
 }
 
+// Standard output by any of its names.
+bool is_standard_output(const fs::path& path) {
+    return path == "-" || path == "/dev/stdout" || path == "/dev/fd/1" || path == "/proc/self/fd/1";
+}
+
+// One regular file by two names, there or not yet.
+bool same_place(const fs::path& a, const fs::path& b) {
+    if (is_standard_output(a) || is_standard_output(b)) return false;
+    std::error_code error;
+    if (fs::exists(a, error) && fs::exists(b, error))
+        return fs::is_regular_file(a, error) && fs::equivalent(a, b, error);
+    return fs::weakly_canonical(fs::absolute(a), error) == fs::weakly_canonical(fs::absolute(b), error);
+}
+
 Point parse_pin_point(std::string_view text, const std::string& pin) {
     const std::size_t comma = text.find(',');
     if (comma == std::string_view::npos) fail_pin(pin);
@@ -45,7 +59,7 @@ Point parse_pin_point(std::string_view text, const std::string& pin) {
 
 double parse_number(const std::string& text, const std::string& option) {
     if (const auto value = number_from(text)) return *value;
-    throw InvalidInput(option + " " + text, "is not a finite number");
+    throw InvalidInput(option, "'" + text + "' is not a finite number");
 }
 
 Pin parse_pin(const std::string& text) {
@@ -100,6 +114,7 @@ double parse_threshold(const std::string& text) {
 }
 
 void add_pins(Puppet& puppet, Pose& pose, const std::vector<std::string>& pins) {
+    if (!pins.empty() && pose.name == "rest") pose.name = "pins";
     int number = 0;
     for (const std::string& text : pins) {
         const Pin pin = parse_pin(text);
@@ -132,18 +147,33 @@ Puppet open_puppet(const fs::path& path) {
     return puppet;
 }
 
-void require_writable(const fs::path& output) {
-    // A pipe's reader would take this opening and closing for the end of the data.
-    if (!OutputFile::is_stream(output)) OutputFile probe(output);
+std::vector<fs::path> input_files(const fs::path& path, const Puppet& puppet) {
+    std::vector<fs::path> files{path};
+    for (const std::string& name : {puppet.image, puppet.cutout.path}) {
+        if (!name.empty()) files.push_back(resolve(puppet, name));
+    }
+    return files;
 }
 
-void require_other_file(const fs::path& output, const std::vector<fs::path>& inputs, bool force) {
-    if (force) return;
-    for (const fs::path& input : inputs) {
-        std::error_code error;
-        if (!input.empty() && fs::is_regular_file(output, error) && fs::equivalent(output, input, error)) {
+void require_good_outputs(const Files& files, bool force) {
+    std::vector<fs::path> seen;
+    bool stdout_taken = files.json_to_stdout;
+    for (const fs::path& output : files.outputs) {
+        if (output.empty()) continue;
+        if (is_standard_output(output)) {
+            if (stdout_taken) throw InvalidInput("usage", "two results want standard output", "send one to a file");
+            stdout_taken = true;
+        }
+        for (const fs::path& other : seen) {
+            if (same_place(output, other)) throw InvalidInput(output.string(), "is named for two results");
+        }
+        for (const fs::path& input : files.inputs) {
+            if (force || input.empty() || !same_place(output, input)) continue;
             throw InvalidInput(output.string(), "is the input itself", "choose another name, or --force to replace it");
         }
+        // A pipe's reader would take this opening and closing for the end of the data.
+        if (!OutputFile::is_stream(output)) OutputFile probe(output);
+        seen.push_back(output);
     }
 }
 

@@ -38,11 +38,18 @@ bool is_puppet_file(const std::filesystem::path& path);
 //! A puppet from a puppet file, or one around a picture. \throw InvalidInput  as `read_puppet`; missing picture.
 Puppet open_puppet(const std::filesystem::path& path);
 
-//! Complains about an output that cannot be written before any work is done. \throw InvalidInput  as `OutputFile`.
-void require_writable(const std::filesystem::path& output);
+//! The puppet or picture itself and what the puppet names: its picture and its mask.
+std::vector<std::filesystem::path> input_files(const std::filesystem::path& path, const Puppet& puppet);
 
-//! \throw InvalidInput  `output` is one of `inputs` and `force` is not set.
-void require_other_file(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
-                        bool force);
+//! What a command reads and writes, looked at before any work.
+struct Files {
+    std::vector<std::filesystem::path> inputs;   //!< empty paths are passed over
+    std::vector<std::filesystem::path> outputs;  //!< likewise; `-` is standard output
+    bool json_to_stdout = false;                 //!< the report goes there too
+};
+
+//! \throw InvalidInput  an output is an input and `force` is not set; two results want one file or standard output;
+//!        an output cannot be written.
+void require_good_outputs(const Files& files, bool force);
 
 }  // namespace puppetwarp::cli

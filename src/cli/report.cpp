@@ -1,6 +1,5 @@
 #include "report.h"
 
-#include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/output_file.h>
 
 #include <cmath>
@@ -31,12 +30,6 @@ void ReportOptions::add_to(CLI::App& subcommand) {
     subcommand.add_option("--report", file, "Write the report to a file")->type_name("FILE");
 }
 
-void ReportOptions::require_free_stdout(const std::filesystem::path& output) const {
-    if (json && output == "-") {
-        throw InvalidInput("usage", "--json and -o - both want standard output", "use --report FILE");
-    }
-}
-
 void ReportOptions::emit(const Json& report) const {
     const std::string text = report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
     if (!file.empty()) write_file(file, text);
@@ -58,6 +51,7 @@ Json report_json(const RenderReport& report, bool with_canvas) {
     json["max_stretch"] = finite(report.distortion.max_stretch);
     json["max_area_ratio"] = finite(report.distortion.max_area_ratio);
     json["max_handle_error_px"] = finite(report.max_handle_error_px);
+    json["canvas"] = nullptr;
     if (with_canvas) {
         const Canvas& canvas = report.canvas;
         json["canvas"] = {{"x", canvas.x}, {"y", canvas.y}, {"width", canvas.width}, {"height", canvas.height}};
@@ -75,15 +69,18 @@ Json report_json(const Comparison& comparison) {
     json["reason"] = comparison.reason;
     json["width"] = comparison.width;
     json["height"] = comparison.height;
+    for (const char* key :
+         {"max", "max_at", "mean", "rmse", "psnr", "ssim", "differing_pixels", "differing_percent", "bounding_box"}) {
+        json[key] = nullptr;  // what cannot be told, or was not asked for
+    }
     if (!comparison.comparable) return json;
     json["max"] = finite(comparison.max);
-    json["max_at"] = comparison.max_x < 0 ? Json(nullptr) : Json{comparison.max_x, comparison.max_y};
+    if (comparison.max_x >= 0) json["max_at"] = {comparison.max_x, comparison.max_y};
     json["mean"] = finite(comparison.mean);
     json["rmse"] = finite(comparison.rmse);
     json["psnr"] = finite(comparison.psnr);
     json["differing_pixels"] = comparison.differing_pixels;
     json["differing_percent"] = comparison.differing_percent;
-    json["bounding_box"] = nullptr;
     if (comparison.box_width > 0) {
         json["bounding_box"] = {{"x", comparison.box_x},
                                 {"y", comparison.box_y},

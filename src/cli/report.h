@@ -20,8 +20,6 @@ struct ReportOptions {
 
     //! Adds `--json` and `--report FILE`.
     void add_to(CLI::App& subcommand);
-    //! \throw InvalidInput  `--json` while the result itself goes to standard output.
-    void require_free_stdout(const std::filesystem::path& output) const;
     //! Prints and writes what was asked for. \throw InvalidInput, MachineFault
     void emit(const Json& report) const;
 };

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 namespace puppetwarp::cli {
 
@@ -20,12 +21,12 @@ struct WarpRequest {
     std::string input;
     std::string output;
     std::vector<std::string> pins;
-    std::string pose;
-    std::string method;
-    std::string arap_energy;
+    std::optional<std::string> pose;
+    std::optional<std::string> method;
+    std::optional<std::string> arap_energy;
     std::string canvas = "keep";
     std::string interpolation = "bicubic";
-    std::string background;
+    std::optional<std::string> background;
     std::vector<std::string> overlay;
     std::int64_t max_pixels = ReadOptions().max_pixels;
     double pin_snap_px = 0;
@@ -41,10 +42,10 @@ struct WarpRequest {
 
 // The command line's wishes laid over what the file says.
 void apply(const WarpRequest& request, Puppet& puppet, Pose& pose) {
-    if (!request.method.empty()) puppet.method.method = method_from_name(request.method);
-    if (!request.arap_energy.empty()) puppet.method.arap_energy = arap_energy_from_name(request.arap_energy);
-    if (!request.background.empty()) {
-        background_from_name(request.background);  // complains before any work
+    if (request.method) puppet.method.method = method_from_name(*request.method);
+    if (request.arap_energy) puppet.method.arap_energy = arap_energy_from_name(*request.arap_energy);
+    if (request.background) {
+        background_from_name(*request.background);  // complains before any work
         puppet.background = request.background;
     }
     add_pins(puppet, pose, request.pins);
@@ -78,7 +79,6 @@ void warn_about_result(const RenderReport& report, bool quiet) {
 }
 
 int warp_picture(const WarpRequest& request, const GlobalOptions& global) {
-    request.report.require_free_stdout(request.output);
     RenderOptions options;
     options.read.max_pixels = request.max_pixels;
     options.interpolation = interpolation_from_name(request.interpolation);
@@ -87,10 +87,11 @@ int warp_picture(const WarpRequest& request, const GlobalOptions& global) {
     options.format = output_format(request.output);
 
     Puppet puppet = open_puppet(request.input);
-    Pose pose = request.pose.empty() ? default_pose(puppet) : find_pose(puppet, request.pose);
+    Pose pose = request.pose ? find_pose(puppet, *request.pose) : default_pose(puppet);
     apply(request, puppet, pose);
-    require_other_file(request.output, {request.input, resolve(puppet, puppet.image)}, request.force);
-    require_writable(request.output);
+    require_good_outputs(
+        {input_files(request.input, puppet), {request.output, request.report.file}, request.report.json},
+        request.force);
 
     ProgressBar progress(global.quiet);
     Rendered rendered = render(puppet, pose, options, progress);
@@ -98,7 +99,7 @@ int warp_picture(const WarpRequest& request, const GlobalOptions& global) {
     warn_about_result(rendered.report, global.quiet);
     const Canvas& canvas = rendered.report.canvas;
     if (request.wants_overlay("mesh")) draw_mesh(rendered.image, rendered.moved, rendered.mesh.F, canvas);
-    if (request.wants_overlay("handles")) draw_handles(rendered.image, puppet.rig, pose, canvas);
+    if (request.wants_overlay("handles")) draw_handles(rendered.image, rendered.rig, pose, canvas);
 
     const auto start = std::chrono::steady_clock::now();
     write_image(rendered.image, request.output, {request.compression, request.quality});

@@ -93,18 +93,27 @@ TEST_F(BadInput, PicturesThatCannotBeWorkedWith) {
     expect_refused(warp(folder / "transparent.png", {"--pin", "25,25"}), "transparent");
 }
 
-TEST_F(BadInput, TinyPicturesWork) {
+TEST_F(BadInput, PicturesTooSmallToBeWarped) {
     for (const int size : {1, 3}) {
         write_image(noise_picture(size, size, CV_8UC3), folder / "tiny.png");
-        const CommandResult whole = warp(folder / "tiny.png", {"--pin", "0.5,0.5"});
-        EXPECT_EQ(whole.exit_code, 0) << whole.errors;
-        Image dot = noise_picture(size, size, CV_8UC4);
-        dot.pixels.at<cv::Vec4b>(size / 2, size / 2)[3] = 255;
-        write_image(dot, folder / "dot.png");
-        const std::string centre = std::to_string(size / 2.0);
-        const CommandResult cut = warp(folder / "dot.png", {"--pin", centre + "," + centre});
-        EXPECT_EQ(cut.exit_code, 0) << cut.errors;
+        expect_refused(warp(folder / "tiny.png", {"--pin", "0.5,0.5"}), "too small");
     }
+    write_image(noise_picture(4, 4, CV_8UC3), folder / "small.png");
+    EXPECT_EQ(warp(folder / "small.png", {"--pin", "2,2"}).exit_code, 0);
+}
+
+TEST_F(BadInput, PinsFarAway) {
+    expect_refused(warp(good, {"--pin", "1e308,1e308"}), "outside");
+    expect_refused(warp(good, {"--pin", "1e200,50"}), "outside");
+    for (const char* pin : {"60,50:1e308,1e308", "60,50:1e10,1e10", "60,50:0,-1e155"}) {
+        for (const char* method : {"arap", "harmonic", "biharmonic"}) {
+            expect_refused(warp(good, {"--pin", pin, "--pin", "70,60", "--method", method}), "far");
+        }
+    }
+}
+
+TEST_F(BadInput, PinsAlmostInOnePlaceThatContradict) {
+    expect_refused(warp(good, {"--pin", "60,50", "--pin", "60,50.001:70,50"}), "pin2");
 }
 
 TEST_F(BadInput, PinsOutsideTheSubject) {
@@ -202,7 +211,38 @@ TEST_F(BadInput, OutputsThatCannotBe) {
     expect_refused(to(folder / "out"), "extension");
     expect_refused(to(folder.path().string()), "");
     expect_refused(to(good), "--force");
-    expect_refused(puppetwarp_command({"warp", good, "--pin", "60,50", "-o", "-", "--json"}), "--json");
+    expect_refused(puppetwarp_command({"warp", good, "--pin", "60,50", "-o", "-", "--json"}), "standard output");
+}
+
+TEST_F(BadInput, OutputsThatWouldDestroyInputsOrEachOther) {
+    const std::string before = bytes_of(good);
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), {"warp", good, "--pin", "60,50"});
+        return puppetwarp_command(more);
+    };
+    expect_refused(with({"-o", out, "--report", good}), "--force");
+    expect_refused(with({"-o", out, "--report", out}), "two results");
+    expect_refused(with({"-o", out, "--report", folder / "nowhere/r.json"}), "nowhere");
+    expect_refused(with({"-o", "/dev/stdout", "--json"}), "standard output");
+    expect_refused(with({"-o", "-", "--report", "/dev/stdout"}), "standard output");
+    expect_refused(puppetwarp_command({"diff", good, photo, "--report", good}), "--force");
+    expect_refused(puppetwarp_command({"diff", good, photo, "--heatmap", photo}), "--force");
+    EXPECT_EQ(bytes_of(good), before);
+    EXPECT_FALSE(fs::exists(out));
+
+    write_image(disc_picture(120, 100), folder / "mask.png");
+    put_bytes(folder / "m.json", R"({"format": "puppetwarp", "version": 1, "image": "good.png",
+        "cutout": {"from": "mask", "path": "mask.png"}, "handles": [{"id": "a", "type": "point", "at": [60, 50]}]})");
+    expect_refused(puppetwarp_command({"warp", folder / "m.json", "-o", folder / "mask.png"}), "--force");
+    EXPECT_EQ(puppetwarp_command({"warp", folder / "m.json", "-o", out}).exit_code, 0);
+}
+
+TEST_F(BadInput, EmptyWordsAreNotDefaults) {
+    for (const char* option : {"--method", "--arap-energy", "--background", "--pose", "--canvas", "--interpolation"}) {
+        const CommandResult result = warp(good, {"--pin", "60,50", option, ""});
+        EXPECT_EQ(result.exit_code, 2) << option;
+    }
+    EXPECT_EQ(puppetwarp_command({"warp", good, "--pin", "60,50", "-o", ""}).exit_code, 2);
 }
 
 TEST_F(BadInput, ForceReplacesTheInput) {

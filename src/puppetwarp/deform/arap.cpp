@@ -14,6 +14,7 @@ using Complex = std::complex<double>;
 
 // Energies below this share of the squared size are what round-off makes of none.
 constexpr double round_off_energy = 1e-18;
+constexpr double round_off_share = 1e-12;
 constexpr double round_off = 1e-14;
 // Handles whose targets are missed by more than this share of the subject's size contradict each other.
 constexpr double contradiction = 1e-6;
@@ -222,6 +223,9 @@ Deformation ArapDeformer::deform(const Pose& pose, const Eigen::MatrixX2d* start
     if (system_.unknowns() == 0) {
         place_fixed(goals, x);
         result.energy_history = {cells_.energy(x)};
+    } else if (const double energy = cells_.energy(x); start == nullptr && energy <= round_off_energy * size_ * size_ &&
+                                                       largest_error(goals, x) <= round_off_share * size_) {
+        result.energy_history = {energy};  // a rigid motion: nothing is left to solve
     } else {
         const Eigen::VectorXcd before = x;
         ArapMinimum minimum = lead(goals, x, progress);

@@ -28,6 +28,7 @@ void start() {
     for (const char* domain : {"VIPS", "GLib", "GLib-GObject", "GLib-GIO"})
         g_log_set_handler(domain, levels, swallow, nullptr);
     g_log_set_handler(nullptr, levels, swallow, nullptr);
+    g_log_set_default_handler(swallow, nullptr);
     if (vips_init("puppetwarp") != 0) throw MachineFault("libvips", "does not start: " + take_vips_error());
     // A file that changed must never meet the pixels it had before.
     vips_cache_set_max(0);

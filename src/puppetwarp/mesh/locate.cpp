@@ -72,7 +72,7 @@ struct MeshLocator::Grid {
             const Corners& corners = triangles[static_cast<std::size_t>(triangle)];
             Eigen::Vector3d weights;
             double squared = 0;
-            if (!barycentric(corners, p, weights) || weights.minCoeff() < 0) {
+            if (!barycentric(corners, p, weights) || !(weights.minCoeff() >= 0)) {
                 const Nearest nearest = nearest_on_border(corners, p);
                 squared = nearest.squared;
                 weights = nearest.weights;
@@ -143,7 +143,13 @@ MeshLocation MeshLocator::locate(const Point& point) const {
     const int i0 = grid.column(point.x()), j0 = grid.row(point.y());
     // How far the point is outside the grid comes on top of whatever the rings say.
     const Point inside = point.cwiseMax(grid.origin).cwiseMin(grid.origin + grid.cell * Point(grid.columns, grid.rows));
-    const double outside = (point - inside).norm();
+    const double outside = std::hypot(point.x() - inside.x(), point.y() - inside.y());
+    // So far away that squares could overflow; the mesh is a point as seen from there.
+    if (outside > 1e6 * grid.cell * std::max(grid.columns, grid.rows)) {
+        MeshLocation location = locate(inside);
+        location.distance_px = outside;
+        return location;
+    }
     const int most = std::max(grid.columns, grid.rows);
     for (int ring = 0; ring <= most; ++ring) {
         // Cells of this ring are at least ring - 1 cells away from the point.

@@ -9,9 +9,10 @@ namespace puppetwarp {
 
 //! Where a point lies in a mesh.
 struct MeshLocation {
-    int triangle = -1;            //!< index of the triangle that holds the point, or the nearest one
-    Eigen::Vector3d barycentric;  //!< weights of its corners, in [0, 1], sum 1; of the nearest point when outside
-    double distance_px = 0;       //!< how far the point is from the mesh; 0 inside
+    int triangle = -1;  //!< index of the triangle that holds the point, or the nearest one
+    //! Weights of its corners, in [0, 1], sum 1; of the nearest point when outside.
+    Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
+    double distance_px = 0;  //!< how far the point is from the mesh; 0 inside
 };
 
 //! Finds the triangle at a point; built once, then about constant time a query inside the mesh.

@@ -20,13 +20,13 @@ std::string type_of(const Json& json) {
     return json.is_array() ? "a list" : "an object";
 }
 
+}  // namespace
+
 std::string short_number(double value) {
     std::string text = Json(value).dump();
     if (text.size() > 2 && text.ends_with(".0")) text.resize(text.size() - 2);
     return text;
 }
-
-}  // namespace
 
 Json parse_json(std::string_view text, const std::string& subject) {
     bool too_deep = false;
@@ -113,9 +113,8 @@ double JsonReader::positive() const {
 
 int JsonReader::integer() const {
     const double value = number();
-    if (value != std::floor(value) || std::abs(value) > std::numeric_limits<int>::max()) {
-        fail("must be a whole number, but is " + short_number(value));
-    }
+    if (value != std::floor(value)) fail("must be a whole number, but is " + short_number(value));
+    if (std::abs(value) > std::numeric_limits<int>::max()) fail("is too large a number: " + short_number(value));
     return static_cast<int>(value);
 }
 

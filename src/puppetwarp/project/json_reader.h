@@ -18,6 +18,9 @@ using Json = nlohmann::ordered_json;
 //! Parses JSON. \throw InvalidInput  not JSON (says where), or nested deeper than any puppet file.
 Json parse_json(std::string_view text, const std::string& subject);
 
+//! A number as a person writes it: whole numbers without a fraction.
+std::string short_number(double value);
+
 //! A JSON value that knows where in the document it stands, so that every complaint names its field.
 class JsonReader {
 public:

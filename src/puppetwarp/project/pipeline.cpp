@@ -6,12 +6,16 @@
 #include <puppetwarp/rig/snap.h>
 #include <puppetwarp/warp/background.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
 namespace puppetwarp {
 
 namespace {
+
+// Fewer pixels than a cubic filter has taps hold nothing that could be bent.
+constexpr int smallest_side_px = 4;
 
 // Measures stages one after the other into a report.
 class StageTimer {
@@ -91,6 +95,7 @@ void require_size(const Canvas& canvas, std::int64_t max_pixels) {
 struct Solved {
     TriangleMesh mesh;
     Eigen::MatrixX2d moved;
+    Rig rig;
 };
 
 Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, const Cutout& cutout,
@@ -101,8 +106,8 @@ Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, cons
     Solved solved;
     solved.mesh = mesh_subject(puppet, outline);
     timer.end("triangulate");
-    const Rig rig = snapped(puppet.rig, solved.mesh, options.pin_snap_px);
-    const std::unique_ptr<Deformer> deformer = make_deformer(puppet.method, solved.mesh, rig);
+    solved.rig = snapped(puppet.rig, solved.mesh, options.pin_snap_px);
+    const std::unique_ptr<Deformer> deformer = make_deformer(puppet.method, solved.mesh, solved.rig);
     timer.end("bind");
     Deformation deformation = deformer->deform(pose, nullptr, progress);
     timer.end("deform");
@@ -130,7 +135,15 @@ void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& 
 
 Image load_image(const Puppet& puppet, const ReadOptions& options) {
     if (puppet.image.empty()) throw InvalidInput("puppet", "names no picture", "add the field `image`");
-    return read_image(resolve(puppet, puppet.image), options);
+    const std::filesystem::path path = resolve(puppet, puppet.image);
+    Image image = read_image(path, options);
+    if (std::min(image.width(), image.height()) < smallest_side_px) {
+        throw InvalidInput(path.string(),
+                           "a picture of " + std::to_string(image.width()) + " x " + std::to_string(image.height()) +
+                               " pixels is too small to be warped",
+                           "both sides must have at least " + std::to_string(smallest_side_px));
+    }
+    return image;
 }
 
 Cutout cut_out_subject(const Puppet& puppet, const Image& image, const ReadOptions& read) {
@@ -192,6 +205,7 @@ Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& opt
     warp_timer.end("warp");
     rendered.mesh = std::move(solved.mesh);
     rendered.moved = std::move(solved.moved);
+    rendered.rig = std::move(solved.rig);
     return rendered;
 }
 

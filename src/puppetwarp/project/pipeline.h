@@ -20,7 +20,7 @@ namespace puppetwarp {
 // The way of the data, an arrow a function: what the command runs in one go and the editor runs as needed.
 //   Puppet -> Image -> Cutout -> Outline -> TriangleMesh -> Deformer -> positions -> Image
 
-//! The puppet's picture. \throw InvalidInput  none named, `read_image`.
+//! The puppet's picture. \throw InvalidInput  none named, `read_image`, fewer than 4 pixels wide or high.
 Image load_image(const Puppet& puppet, const ReadOptions& options = {});
 
 //! Which pixels of `image` are the subject, reading the mask when there is one. \throw InvalidInput  `cut_out`.
@@ -71,6 +71,7 @@ struct Rendered {
     Image image;
     TriangleMesh mesh;
     Eigen::MatrixX2d moved;  //!< #V x 2
+    Rig rig;                 //!< as it took hold: points that were snapped onto the subject lie there
     RenderReport report;
 };
 

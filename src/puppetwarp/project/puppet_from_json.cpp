@@ -81,10 +81,11 @@ MethodOptions read_method(const JsonReader& json) {
     MethodOptions method;
     // The library's own complaint about a name lists the known ones; the field is added to it here.
     const auto named = [](const JsonReader& field, auto from_name) {
+        const std::string text = field.text();
         try {
-            return from_name(field.text());
+            return from_name(text);
         } catch (const InvalidInput& error) {
-            field.fail(error.reason(), error.advice());
+            field.fail("'" + text + "': " + error.reason(), error.advice());
         }
     };
     if (const auto name = json.find("name")) method.method = named(*name, method_from_name);
@@ -138,7 +139,7 @@ void require_version(const JsonReader& document) {
     if (format.text() != "puppetwarp") format.fail("must be \"puppetwarp\"", "this is not a puppet file");
     const JsonReader version = document.at("version");
     if (const double number = version.number(); number != 1) {
-        version.fail("is " + Json(number).dump() + ", but this program reads version 1", "use a newer puppetwarp");
+        version.fail("is " + short_number(number) + ", but this program reads version 1", "use a newer puppetwarp");
     }
 }
 

@@ -281,10 +281,14 @@ std::vector<HoldTarget> resolve(const std::vector<Hold>& holds, const Rig& rig, 
     for (std::size_t i = 0; i < holds.size(); ++i) {
         const auto found = pose.handles.find(holds[i].id);
         if (found != pose.handles.end()) targets[i] = target_of(holds[i], found->second, user);
+        if (!(std::abs(targets[i].move) <= farthest_move * size)) {
+            throw InvalidInput("handle '" + holds[i].id + "'", "its target is too far away",
+                               "stay within a million times the subject's size");
+        }
         for (std::size_t j = 0; j < i; ++j) {
-            if (std::abs(holds[i].at - holds[j].at) > one_place * size) continue;
-            if (std::abs(targets[i].move - targets[j].move) <= one_place * size && same_turn(targets[i], targets[j]))
-                continue;
+            const double near = (holds[i].hard || holds[j].hard ? one_vertex : one_place) * size;
+            if (std::abs(holds[i].at - holds[j].at) > near) continue;
+            if (std::abs(targets[i].move - targets[j].move) <= near && same_turn(targets[i], targets[j])) continue;
             throw InvalidInput("handles '" + holds[j].id + "' and '" + holds[i].id + "'",
                                "they are in one place but are sent to different ones", "remove one of them");
         }

@@ -17,8 +17,12 @@ namespace puppetwarp {
 inline constexpr double default_disc_share = 0.03;
 //! A point this share of the bounding diagonal outside is on the border: nobody can place it better.
 inline constexpr double on_border = 1e-9;
-//! Handles nearer than this share of the bounding diagonal are in one place.
-inline constexpr double one_place = 1e-6;
+//! Points nearer than this share of the bounding diagonal are in one place: half a pixel of a thousand.
+inline constexpr double one_place = 5e-4;
+//! Vertices are told apart by their index, at any density; nearer than this share is the same vertex.
+inline constexpr double one_vertex = 1e-9;
+//! Targets may lie this many bounding diagonals away; beyond, numbers lose what the mesh is made of.
+inline constexpr double farthest_move = 1e6;
 
 //! A linear function of the vertex positions, these written as complex numbers: sum of coefficient * position.
 using ComplexRow = std::vector<std::pair<int, std::complex<double>>>;
@@ -52,7 +56,7 @@ std::vector<Hold> take_hold(const TriangleMesh& mesh, const Rig& rig, std::strin
 //! Targets in the order of the holds; a hold that the pose does not name stays.
 //! \param size  bounding diagonal of the mesh.
 //! \throw InvalidInput  `require_sound(pose, rig)`; an affine map; a scale without an angle; two holds in one place
-//!        that are sent to different ones.
+//!        that are sent to different ones; a target too far away.
 std::vector<HoldTarget> resolve(const std::vector<Hold>& holds, const Rig& rig, const Pose& pose, double size,
                                 std::string_view user);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 namespace puppetwarp {
@@ -108,11 +109,16 @@ void require_fields(const std::string& subject, const AllowedFields& allowed, co
     }
 }
 
+constexpr double most_turn_rad = 2000 * std::numbers::pi;
+
 void require_values(const std::string& subject, const HandlePose& pose) {
     if (pose.to) require_finite(subject, "to", *pose.to);
     if (pose.from) require_finite(subject, "from", *pose.from);
     if (pose.points) require_finite(subject, "to", *pose.points);
     if (pose.rotate_rad) require_finite(subject, "rotate_deg", *pose.rotate_rad);
+    if (pose.rotate_rad && std::abs(*pose.rotate_rad) > most_turn_rad) {
+        throw InvalidInput(subject, "rotate_deg turns more than a thousand times round");
+    }
     if (pose.scale) require_positive(subject, "scale", *pose.scale);
     if (pose.depth) require_finite(subject, "depth", *pose.depth);
     if (pose.affine) {

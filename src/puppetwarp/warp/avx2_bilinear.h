@@ -105,7 +105,7 @@ struct WideBilinearInside {
     std::uint8_t* out;
 
     // Pixels first .. first + count - 1.
-    void group(const FourWide& at, int first, int count) const {
+    [[gnu::always_inline]] void group(const FourWide& at, int first, int count) const {
         const auto corners = WideBilinear<C>::load(source, at);
         if (WideBilinear<C>::opaque(corners)) {
             const __m128i pixels = WideBilinear<C>::packed(WideBilinear<C>::blend(corners, at));
@@ -122,7 +122,7 @@ struct WideBilinearInside {
         return at;
     }
 
-    void all() const {
+    [[gnu::always_inline]] void all() const {
         if (run.count < 4) {
             // Lanes past the end repeat the last pixel: their loads are safe, their results dropped.
             const __m256i last = _mm256_set1_epi32(run.count - 1);

@@ -14,6 +14,7 @@ namespace {
 struct FourWide {
     __m256i u, v;
 
+    FourWide(__m256i some_u, __m256i some_v) : u(some_u), v(some_v) {}
     FourWide(const Run& run, __m256i lane) : u(along(run.u, run.du, lane)), v(along(run.v, run.dv, lane)) {}
 
     // The low 64 bits of a product, from 32-bit ones: `lane` is 0 to 3.
@@ -116,28 +117,22 @@ struct WideBilinearInside {
         }
     }
 
-    static FourWide advanced(FourWide at, __m256i du, __m256i dv) {
-        at.u = _mm256_add_epi64(at.u, du);
-        at.v = _mm256_add_epi64(at.v, dv);
-        return at;
-    }
-
     [[gnu::always_inline]] void all() const {
+        // Lanes past the end of a short run repeat its last pixel: their loads are safe, their results dropped.
+        const __m256i last = _mm256_set1_epi32(run.count - 1);
+        const FourWide lanes(run, _mm256_min_epi32(_mm256_setr_epi64x(0, 1, 2, 3), last));
         if (run.count < 4) {
-            // Lanes past the end repeat the last pixel: their loads are safe, their results dropped.
-            const __m256i last = _mm256_set1_epi32(run.count - 1);
-            group(FourWide(run, _mm256_min_epi32(_mm256_setr_epi64x(0, 1, 2, 3), last)), 0, run.count);
+            group(lanes, 0, run.count);
             return;
         }
-        FourWide at(run, _mm256_setr_epi64x(0, 1, 2, 3));
-        const __m256i du = _mm256_set1_epi64x(4 * run.du), dv = _mm256_set1_epi64x(4 * run.dv);
-        int i = 0;
-        for (; i + 4 <= run.count; i += 4, at = advanced(at, du, dv)) group(at, i, 4);
-        if (i == run.count) return;
-        // The last four once more, overlapping: the same positions, the same bytes.
-        const int back = i + 4 - run.count;
-        at = advanced(at, _mm256_set1_epi64x(-back * run.du), _mm256_set1_epi64x(-back * run.dv));
-        group(at, run.count - 4, 4);
+        // The last four overlap those before: the same positions, the same bytes. No code of its own for what is left
+        // over, as most runs are short and their lengths cannot be foretold.
+        for (int i = 0; i < run.count; i += 4) {
+            const int first = i < run.count - 4 ? i : run.count - 4;
+            group({_mm256_add_epi64(lanes.u, _mm256_set1_epi64x(first * run.du)),
+                   _mm256_add_epi64(lanes.v, _mm256_set1_epi64x(first * run.dv))},
+                  first, 4);
+        }
     }
 };
 

@@ -104,16 +104,14 @@ void Painter::copy_span(const FaceMap& map, int row, int first, int last, Scratc
 Painter::Plan Painter::planned(RowRange band) const {
     Plan plan;
     plan.strips.resize(static_cast<std::size_t>((band.last - band.first - 1) / strip_rows + 1));
-    for (int triangle = 0; triangle < spans_.triangle_count(); ++triangle) {
-        const RowRange rows = spans_.rows(triangle);
-        if (rows.first >= band.last || band.first >= rows.last) continue;
+    spans_.for_each_triangle_in(band, [&](int triangle) {
         const FaceMap map(rest_, moved_, triangle);
         const int part = static_cast<int>(plan.parts.size());
         plan.parts.push_back({map, interpolation_ == Interpolation::nearest ? 1 : map.samples()});
         spans_.for_each_span_of(triangle, band, [&](int row, int first, int last) {
             plan.strips[static_cast<std::size_t>((row - band.first) / strip_rows)].push_back({row, first, last, part});
         });
-    }
+    });
     return plan;
 }
 

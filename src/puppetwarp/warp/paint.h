@@ -23,7 +23,11 @@ public:
 
 private:
     struct Scratch;
-    void paint_triangle(int triangle, RowRange band, Scratch& scratch) const;
+    struct Part;
+    struct Plan;
+    Plan planned(RowRange band) const;
+    void clear(RowRange rows) const;
+    void copy_span(const FaceMap& map, int row, int first, int last, Scratch& scratch) const;
     void sample_span(const FaceMap& map, int row, int first, int last, Scratch& scratch) const;
     void supersample_span(const FaceMap& map, int samples, int row, int first, int last, Scratch& scratch) const;
     template <class Fill>

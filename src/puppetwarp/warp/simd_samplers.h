@@ -87,9 +87,11 @@ void store_pixels(__m128i pixels, std::uint8_t* out, int count) {
         const int pixel = _mm_cvtsi128_si32(pixels);
         __builtin_memcpy(out, &pixel, out_channels);
     } else {
-        alignas(16) std::uint8_t bytes[16];
-        _mm_store_si128(reinterpret_cast<__m128i*>(bytes), pixels);
-        for (int i = 0; i < count * out_channels; ++i) out[i] = bytes[i];
+        // Two pixels, and a third one.
+        const std::int64_t two = _mm_cvtsi128_si64(pixels);
+        const std::int64_t third = _mm_cvtsi128_si64(_mm_srli_si128(pixels, 2 * out_channels));
+        __builtin_memcpy(out, &two, 2 * out_channels);
+        if (count == 3) __builtin_memcpy(out + 2 * out_channels, &third, out_channels);
     }
 }
 

@@ -9,7 +9,7 @@ namespace puppetwarp::detail {
 
 namespace {
 
-constexpr int coverage_band_rows = 64;
+constexpr int coverage_band_rows = 128;
 
 //! One bit a pixel: what triangles have covered of a few rows.
 class CoverageBits {
@@ -65,6 +65,13 @@ SnappedMesh::SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved
     }
     rows_.reserve(static_cast<std::size_t>(rest.F.rows()));
     for (int triangle = 0; triangle < rest.F.rows(); ++triangle) rows_.push_back(rows_of(triangle, rest.V));
+    block_rows_.resize((rows_.size() + block_triangles - 1) / block_triangles);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        if (rows_[i].first >= rows_[i].last) continue;
+        RowRange& block = block_rows_[i / block_triangles];
+        const bool none = block.first >= block.last;
+        block = none ? rows_[i] : RowRange{std::min(block.first, rows_[i].first), std::max(block.last, rows_[i].last)};
+    }
 }
 
 RowRange SnappedMesh::rows_of(int triangle, const Eigen::MatrixX2d& rest) const {
@@ -85,9 +92,9 @@ RowRange SnappedMesh::rows_of(int triangle, const Eigen::MatrixX2d& rest) const 
 
 bool SnappedMesh::covers(RowRange band) const {
     CoverageBits bits(band, canvas_.width);
-    for (int triangle = 0; triangle < triangle_count(); ++triangle) {
+    for_each_triangle_in(band, [&](int triangle) {
         for_each_span_of(triangle, band, [&](int row, int first, int last) { bits.set(row, first, last); });
-    }
+    });
     return bits.all();
 }
 

@@ -148,6 +148,19 @@ public:
         for_each_span(corner(triangle, 0), corner(triangle, 1), corner(triangle, 2), both, canvas_.width, body);
     }
 
+    //! `body(triangle)` in the order of the triangles, for those that may have pixels in `band`.
+    template <class Body>
+    void for_each_triangle_in(RowRange band, const Body& body) const {
+        const auto meets = [&](RowRange rows) { return rows.first < band.last && band.first < rows.last; };
+        for (int block = 0; block * block_triangles < triangle_count(); ++block) {
+            if (!meets(block_rows_[static_cast<std::size_t>(block)])) continue;
+            const int last = std::min((block + 1) * block_triangles, triangle_count());
+            for (int triangle = block * block_triangles; triangle < last; ++triangle) {
+                if (meets(rows(triangle))) body(triangle);
+            }
+        }
+    }
+
     //! True when every pixel of the canvas is held by some triangle.
     bool covers_canvas() const;
 
@@ -160,6 +173,9 @@ private:
     Canvas canvas_;
     std::vector<SnappedPoint> points_;
     std::vector<RowRange> rows_;
+    // Neighbours in a mesh mostly have indices close to each other: whole blocks of them lie beside a band.
+    static constexpr int block_triangles = 32;
+    std::vector<RowRange> block_rows_;
 };
 
 }  // namespace puppetwarp::detail

@@ -26,7 +26,7 @@ constexpr std::array<std::pair<std::string_view, Interpolation>, 3> interpolatio
 constexpr double farthest_moved_px = 1 << 30;
 constexpr double farthest_rest_px = 1 << 28;
 
-constexpr int band_rows = 32;  // of a picture 8000 px wide they fit into the second cache
+constexpr int band_rows = 64;  // higher bands set triangles up less often, lower ones share out better among threads
 constexpr int pixels_between_reports = 1 << 21;
 
 [[maybe_unused]] bool is_picture(const cv::Mat& pixels) {

@@ -219,6 +219,16 @@ TEST(Puppet, PathsFollowTheFile) {
     EXPECT_EQ(read_puppet(folder / "a/three.json").image, "pictures/x.png");
 }
 
+TEST(Puppet, TheFuzzersCorpusIsReadAndSavedAlike) {
+    int count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(PUPPETWARP_SOURCE_DIR "/tests/fuzz/corpus/puppet")) {
+        const std::string saved = to_json(read_puppet(entry.path()));
+        EXPECT_EQ(to_json(parse(saved)), saved) << entry.path();
+        ++count;
+    }
+    EXPECT_GE(count, 3);
+}
+
 TEST(Puppet, MistakesNameTheirField) {
     const auto complaint = [](const std::string& text) -> std::string {
         try {

@@ -103,7 +103,7 @@ void Painter::copy_span(const FaceMap& map, int row, int first, int last, Scratc
 
 Painter::Plan Painter::planned(RowRange band) const {
     Plan plan;
-    plan.strips.resize(static_cast<std::size_t>((band.last - band.first - 1) / strip_rows + 1));
+    plan.strips.resize(static_cast<std::size_t>(band.last - band.first - 1) / strip_rows + 1);
     spans_.for_each_triangle_in(band, [&](int triangle) {
         const FaceMap map(rest_, moved_, triangle);
         const int part = static_cast<int>(plan.parts.size());

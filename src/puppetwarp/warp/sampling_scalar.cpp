@@ -20,11 +20,12 @@ constexpr auto cubic_table = [] {
         int sum = 0;
         for (int k = 0; k < 4; ++k) {
             const auto q14 = static_cast<std::int16_t>(weight[k] * 16384 + (weight[k] < 0 ? -0.5 : 0.5));
-            table[static_cast<std::size_t>(4 * phase + k)] = q14;
+            table[4 * static_cast<std::size_t>(phase) + static_cast<std::size_t>(k)] = q14;
             sum += q14;
         }
         // The nearest tap takes what rounding left over: a constant stays constant.
-        std::int16_t& largest = table[static_cast<std::size_t>(4 * phase + (2 * phase < cubic_phases ? 1 : 2))];
+        const std::size_t nearest_tap = 2 * phase < cubic_phases ? 1 : 2;
+        std::int16_t& largest = table[4 * static_cast<std::size_t>(phase) + nearest_tap];
         largest = static_cast<std::int16_t>(largest + 16384 - sum);
     }
     return table;

@@ -118,6 +118,7 @@ void paint_all(const detail::Painter& painter, const Canvas& canvas, Progress& p
 
 std::vector<std::string> interpolation_names() {
     std::vector<std::string> names;
+    names.reserve(interpolations.size());
     for (const auto& [name, interpolation] : interpolations) names.emplace_back(name);
     return names;
 }

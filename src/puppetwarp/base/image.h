@@ -10,7 +10,7 @@ namespace puppetwarp {
 //! What a picture file carries beside its pixels; copied from input to output.
 struct ImageMetadata {
     std::vector<std::uint8_t> icc;   //!< ICC profile of the colours; empty: none (sRGB is assumed)
-    std::vector<std::uint8_t> exif;  //!< EXIF block as in the file, its orientation set to 1
+    std::vector<std::uint8_t> exif;  //!< TIFF structure of the EXIF block, without `Exif\0\0` before it; orientation 1
     std::vector<std::uint8_t> xmp;   //!< XMP packet as in the file
     double x_pixels_per_mm = 0;      //!< physical resolution; 0: the file does not say
     double y_pixels_per_mm = 0;

@@ -5,6 +5,7 @@
 #include <puppetwarp/rig/rig.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,7 +13,23 @@
 namespace puppetwarp {
 
 //! The deformation methods, by their names on the command line and in puppet files.
-enum class Method { harmonic, biharmonic, arap };
+enum class Method {
+    harmonic,
+    biharmonic,
+    triharmonic,
+    tetraharmonic,
+    thin_shell,
+    laplacian,
+    laplacian_rotated,
+    laplacian_similarity,
+    multiresolution,
+    arap,
+    smooth_arap,
+    fold_free,
+    mls_affine,
+    mls_similarity,
+    mls_rigid
+};
 
 //! Which edges share a rotation in the `arap` energy.
 enum class ArapEnergy {
@@ -24,6 +41,10 @@ enum class ArapEnergy {
 struct MethodOptions {
     Method method = Method::arap;
     ArapEnergy arap_energy = ArapEnergy::elements;
+    //! Of `smooth-arap`: lengths below it bend together. Above 0; none: a fixed share of the subject's size.
+    std::optional<double> bending_length_px;
+    double stretching = 1;      //!< of `thin-shell`: k_s, at least 0
+    double bending = 0.01;      //!< of `thin-shell`: k_b as a share of the subject's squared diagonal, at least 0
     double tolerance = 1e-8;    //!< iterative methods stop at this relative change of energy, above 0
     int max_iterations = 1000;  //!< at least 1; stopping here is `converged = false`
 };
@@ -44,6 +65,7 @@ struct Deformation {
     double energy = 0;                   //!< the method's own energy at V, px^2; of `biharmonic` without unit
     std::vector<double> energy_history;  //!< from the start to `energy`, never rising
     double max_handle_error_px = 0;      //!< against what each handle constrains
+    std::vector<std::string> warnings;   //!< what a person should know of: parts of the mesh that no handle holds
 };
 
 //! A method made ready for one mesh and one set of handles; immutable, safe to share between threads.

@@ -2,6 +2,8 @@
 
 #include <puppetwarp/base/point.h>
 
+#include <opencv2/core/mat.hpp>
+
 #include <array>
 #include <map>
 #include <optional>
@@ -29,9 +31,17 @@ struct CageHandle {
     Polyline points;
 };
 
-//! A polygon whose inside is moved.
+//! How a region's motion fades outside of it in the methods that spread it as a field (ALGORITHMS.md section 2).
+enum class Falloff {
+    none,      //!< the method itself decides what lies between
+    harmonic,  //!< d = s D, with Lap s = 0, s = 1 on the region and 0 on every other handle
+    geodesic   //!< the same with a smooth function of the distances inside the subject
+};
+
+//! A painted polygon: the mesh inside moves by one map, or stays where a pose does not name it.
 struct RegionHandle {
     Polyline points;
+    Falloff falloff = Falloff::none;
 };
 
 //! One vertex of a mesh that was given as a file.
@@ -50,10 +60,21 @@ struct StiffnessRegion {
     double value = 1;  //!< above 0
 };
 
+//! A grey picture over the source image: black multiplies first-order energies by 1, white by `max`, grey between.
+struct StiffnessPicture {
+    std::string path;     //!< relative to the puppet file
+    double max = 1;       //!< above 0
+    cv::Mat grey;         //!< CV_32FC1 in [0, 1], stretched over the source image; empty until it is loaded
+    double width_px = 0;  //!< of the source image
+    double height_px = 0;
+};
+
+using Stiffness = std::variant<StiffnessRegion, StiffnessPicture>;
+
 //! What takes hold of a subject: all that a person placed on it, at rest.
 struct Rig {
     std::vector<Handle> handles;
-    std::vector<StiffnessRegion> stiffness;
+    std::vector<Stiffness> stiffness;  //!< their factors multiply
 };
 
 //! Where one handle goes. What is not set stays as it rests.
@@ -62,6 +83,7 @@ struct HandlePose {
     std::optional<Point> from;                    //!< target of a bone's start
     std::optional<Polyline> points;               //!< targets of a cage's corners
     std::optional<double> rotate_rad;             //!< clockwise on screen; a point without it has a free angle
+    std::optional<double> turn_rad;               //!< how far a free angle turned on its way here, whole turns counted
     std::optional<double> scale;                  //!< above 0
     std::optional<double> depth;                  //!< larger is nearer to the viewer
     std::optional<std::array<double, 6>> affine;  //!< x' = a x + c y + e, y' = b x + d y + f

@@ -169,6 +169,23 @@ void require_values(const std::string& subject, const HandlePose& pose) {
 
 }  // namespace
 
+std::string falloff_name(Falloff falloff) {
+    switch (falloff) {
+        case Falloff::none: return "none";
+        case Falloff::harmonic: return "harmonic";
+        case Falloff::geodesic: break;
+    }
+    return "geodesic";
+}
+
+Falloff falloff_from_name(std::string_view name) {
+    for (const Falloff falloff : {Falloff::none, Falloff::harmonic, Falloff::geodesic}) {
+        if (falloff_name(falloff) == name) return falloff;
+    }
+    throw InvalidInput("falloff '" + std::string(name) + "'", "there is none of this name",
+                       "known: none, harmonic, geodesic");
+}
+
 const Handle* find_handle(const Rig& rig, const std::string& id) {
     const auto found =
         std::find_if(rig.handles.begin(), rig.handles.end(), [&](const Handle& handle) { return handle.id == id; });

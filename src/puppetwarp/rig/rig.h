@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -37,6 +38,10 @@ enum class Falloff {
     harmonic,  //!< d = s D, with Lap s = 0, s = 1 on the region and 0 on every other handle
     geodesic   //!< the same with a smooth function of the distances inside the subject
 };
+
+std::string falloff_name(Falloff falloff);
+//! \throw InvalidInput  unknown name (lists the known ones).
+Falloff falloff_from_name(std::string_view name);
 
 //! A painted polygon: the mesh inside moves by one map, or stays where a pose does not name it.
 struct RegionHandle {

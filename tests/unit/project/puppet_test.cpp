@@ -64,7 +64,8 @@ const char* const full_document = R"({
     {
       "id": "torso",
       "type": "region",
-      "points": [[60, 60], [90, 60], [90, 120], [60, 120]]
+      "points": [[60, 60], [90, 60], [90, 120], [60, 120]],
+      "falloff": "geodesic"
     },
     {
       "id": "v7",
@@ -77,11 +78,19 @@ const char* const full_document = R"({
       "points": [[60, 60], [90, 60], [90, 120]],
       "value": 8,
       "why": "bone"
+    },
+    {
+      "image": "stiff.png",
+      "max": 20,
+      "painted_by": "hand"
     }
   ],
   "method": {
     "name": "arap",
     "arap_energy": "spokes-and-rims",
+    "bending_length_px": 12.5,
+    "stretching": 0.25,
+    "bending": 3,
     "tolerance": 1e-06,
     "max_iterations": 50,
     "later": true
@@ -112,6 +121,9 @@ const char* const full_document = R"({
       "name": "bow",
       "time_s": 1.5,
       "handles": {
+        "hand": {
+          "turn_deg": -400.5
+        },
         "torso": {
           "affine": [1, 0, 0.5, 1, 10, -20]
         }
@@ -141,6 +153,13 @@ TEST(Puppet, EveryFieldIsRead) {
     EXPECT_EQ(std::get<BoneHandle>(puppet.rig.handles[2].shape).parent, "spine");
     EXPECT_EQ(std::get<VertexHandle>(puppet.rig.handles[5].shape).index, 7);
     EXPECT_EQ(std::get<StiffnessRegion>(puppet.rig.stiffness.at(0)).value, 8);
+    EXPECT_EQ(std::get<StiffnessPicture>(puppet.rig.stiffness.at(1)).path, "stiff.png");
+    EXPECT_EQ(std::get<StiffnessPicture>(puppet.rig.stiffness.at(1)).max, 20);
+    EXPECT_EQ(std::get<RegionHandle>(puppet.rig.handles[4].shape).falloff, Falloff::geodesic);
+    EXPECT_EQ(puppet.method.bending_length_px, 12.5);
+    EXPECT_EQ(puppet.method.stretching, 0.25);
+    EXPECT_EQ(puppet.method.bending, 3);
+    EXPECT_NEAR(*puppet.poses.at(1).handles.at("hand").turn_rad, -400.5 * std::numbers::pi / 180, 1e-13);
     EXPECT_EQ(puppet.method.arap_energy, ArapEnergy::spokes_and_rims);
     EXPECT_EQ(puppet.method.max_iterations, 50);
     const HandlePose& hand = puppet.poses.at(0).handles.at("hand");

@@ -1,4 +1,5 @@
 #include "report.h"
+#include "options.h"
 #include "terminal.h"
 
 #include <puppetwarp/base/output_file.h>
@@ -6,7 +7,6 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
-#include <limits>
 
 #include <sys/resource.h>
 
@@ -105,7 +105,9 @@ void GateOptions::add_to(CLI::App& subcommand) {
     subcommand
         .add_option("--fail-on-stretch", stretch, "Exit 1 when a triangle is stretched more than X times, X at least 1")
         ->type_name("X")
-        ->check(CLI::Range(1.0, std::numeric_limits<double>::max(), "1 or more"));
+        ->check([](const std::string& text) -> std::string {
+            return parse_number(text, "--fail-on-stretch") >= 1 ? "" : "it must be at least 1";
+        });
 }
 
 bool GateOptions::hold(const Distortion& distortion) const {

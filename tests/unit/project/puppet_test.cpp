@@ -201,11 +201,13 @@ TEST(Puppet, DefaultsNeedOnlyFormatAndVersion) {
 TEST(Puppet, AnglesComeBackAsTyped) {
     for (const double degrees : {20.0, -170.0, 0.1, 33.3333, 720.5}) {
         const std::string text = Json(degrees).dump();
-        const Puppet puppet = parse(R"({"format": "puppetwarp", "version": 1,
-            "handles": [{"id": "a", "type": "point", "at": [1, 2]}],
-            "poses": [{"name": "p", "handles": {"a": {"rotate_deg": )" +
-                                    text + "}}}]}");
-        EXPECT_EQ(Json::parse(to_json(puppet))["poses"][0]["handles"]["a"]["rotate_deg"].get<double>(), degrees);
+        for (const char* key : {"rotate_deg", "turn_deg"}) {
+            const Puppet puppet = parse(R"({"format": "puppetwarp", "version": 1,
+                "handles": [{"id": "a", "type": "point", "at": [1, 2]}],
+                "poses": [{"name": "p", "handles": {"a": {")" +
+                                        std::string(key) + "\": " + text + "}}}]}");
+            EXPECT_EQ(Json::parse(to_json(puppet))["poses"][0]["handles"]["a"][key].get<double>(), degrees);
+        }
     }
 }
 
@@ -227,13 +229,14 @@ TEST(Puppet, PathsFollowTheFile) {
     std::filesystem::create_directories(folder.path() / "a");
     std::filesystem::create_directories(folder.path() / "b/c");
     tests::put_bytes(folder / "a/one.json", R"({"format": "puppetwarp", "version": 1, "image": "pictures/x.png",
-        "cutout": {"from": "mask", "path": "../m.png"}})");
+        "cutout": {"from": "mask", "path": "../m.png"}, "stiffness": [{"image": "s.png", "max": 3}]})");
     const Puppet puppet = read_puppet(folder / "a/one.json");
     EXPECT_EQ(resolve(puppet, puppet.image), folder.path() / "a/pictures/x.png");
     write_puppet(puppet, folder / "b/c/two.json");
     const Puppet moved = read_puppet(folder / "b/c/two.json");
     EXPECT_EQ(moved.image, "../../a/pictures/x.png");
     EXPECT_EQ(moved.cutout.path, "../../m.png");
+    EXPECT_EQ(std::get<StiffnessPicture>(moved.rig.stiffness.at(0)).path, "../../a/s.png");
     write_puppet(puppet, folder / "a/three.json");
     EXPECT_EQ(read_puppet(folder / "a/three.json").image, "pictures/x.png");
 }
@@ -271,6 +274,16 @@ TEST(Puppet, MistakesNameTheirField) {
     EXPECT_THAT(complaint(head + R"("poses": [{"name": "a"}, {"name": "a"}]})"), testing::HasSubstr("poses[1]"));
     EXPECT_THAT(complaint(head + R"("cutout": {"from": "mask"}})"),
                 testing::HasSubstr("cutout lacks the field `path`"));
+    EXPECT_THAT(complaint(head + R"("stiffness": [{"image": "s.png"}]})"),
+                testing::HasSubstr("stiffness[0] lacks the field `max`"));
+    EXPECT_THAT(complaint(head + R"("stiffness": [{"image": "", "max": 2}]})"),
+                testing::HasSubstr("stiffness[0].image"));
+    EXPECT_THAT(complaint(head + R"("method": {"bending_length_px": 0}})"), testing::HasSubstr("bending_length_px"));
+    EXPECT_THAT(complaint(head + R"("method": {"stretching": -1}})"), testing::HasSubstr("method.stretching"));
+    EXPECT_THAT(
+        complaint(head + R"("handles": [{"id": "r", "type": "region", "points": [[0, 0], [1, 0], [0, 1]],
+                                               "falloff": "steep"}]})"),
+        testing::AllOf(testing::HasSubstr("handles[0].falloff"), testing::HasSubstr("none, harmonic, geodesic")));
     EXPECT_THAT(complaint(head + R"("stiffness": [{"points": [[0, 0], [1, 0], [0, 1]], "value": 0}]})"),
                 testing::HasSubstr("stiffness[0].value must be above 0"));
     EXPECT_THAT(complaint("{\n\"format\": \"puppetwarp\",\n\"version\": 1,,\n}"), testing::HasSubstr("line 3"));

@@ -282,7 +282,9 @@ TEST(Targets, StayWithinAMillionSizes) {
 TEST(Targets, ManyHandlesKeepTheirOrder) {
     const TriangleMesh mesh = reference::grid(120, 120, 1000, 1000);
     std::vector<int> indices;
+    indices.reserve(5000);
     std::vector<Point> places;
+    places.reserve(1000);
     for (int v = 0; v < 5000; ++v) indices.push_back(14000 - 2 * v);
     for (int k = 0; k < 1000; ++k) places.emplace_back(17 + 31 * (k % 32), 13 + 31 * (k / 32));
     Rig rig = rig_of_vertices(indices);

@@ -12,9 +12,9 @@ namespace puppetwarp {
 //! The as-rigid-as-possible energies by vertices: cells of weighted edges that share a rotation,
 //! E(x) = sum over cells c of min over |r| = 1 of sum over edges e of c of w_e |x_e - r rest_e|^2,
 //! positions as complex numbers. `spokes`: the edges at a vertex, w = the sum of both cot / 2 (Sorkine & Alexa 2007).
-//! `spokes_and_rims`: all edges of the triangles at a vertex, w = cot / 2 for each triangle (Chao et al. 2010), so that a
-//! triangle counts three times. With the weights w of a triangle's own edges, `elements` would be one more; ElementArap
-//! has it in a quicker form.
+//! `spokes_and_rims`: all edges of the triangles at a vertex, w = cot / 2 for each triangle (Chao et al. 2010), so that
+//! a triangle counts three times. With the weights w of a triangle's own edges, `elements` would be one more;
+//! ElementArap has it in a quicker form.
 class ArapCells : public Energy {
 public:
     struct Edge {
@@ -45,7 +45,7 @@ private:
     std::vector<int> first_vertex_;
     std::vector<std::complex<double>> functional_;  // S_c: coefficients beside cell_vertices_
     std::vector<double> rest_correlation_;          // |S_c| at rest
-    SparseMatrix twice_K_;  // of the energy without its rotations
+    SparseMatrix twice_K_;                          // of the energy without its rotations
 };
 
 }  // namespace puppetwarp

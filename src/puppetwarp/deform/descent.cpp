@@ -118,17 +118,20 @@ double Descent::step() {
     return 0;
 }
 
-Minimum minimise(Descent& descent, std::shared_ptr<const ConstrainedMetric>& metric, const MetricMaker& renewed,
+Minimum minimise(Descent& descent, std::shared_ptr<ConstrainedMetric>& metric, const MetricMaker& renewed,
                  const StopRule& rule, Progress& progress) {
     RenewalRule renewal;
     Minimum result;
     result.history.push_back(descent.value());
     double gained = descent.value();
     bool fresh = false;  // the metric is of this x
-    const auto renew = [&] {
-        metric = renewed(descent.x());
-        descent.forget();
+    const auto renew = [&](bool stuck) {
         renewal.restart();
+        fresh = stuck;
+        std::shared_ptr<ConstrainedMetric> newer = renewed(descent.x(), result.iterations, stuck);
+        if (!newer) return;
+        metric = std::move(newer);
+        descent.forget();
         fresh = true;
     };
     while (true) {
@@ -146,7 +149,7 @@ Minimum minimise(Descent& descent, std::shared_ptr<const ConstrainedMetric>& met
             if (descent.remembers()) {
                 descent.forget();
             } else if (!fresh) {
-                renew();
+                renew(true);
             } else {
                 // Not even the Newton step gains anything: what is left is round-off.
                 result.converged = left <= 1e-3 * std::max(descent.value(), rule.floor);
@@ -158,7 +161,7 @@ Minimum minimise(Descent& descent, std::shared_ptr<const ConstrainedMetric>& met
         gained = before - descent.value();
         ++result.iterations;
         result.history.push_back(descent.value());
-        if (renewal.due(length, left)) renew();
+        if (renewal.due(length, left)) renew(false);
     }
     return result;
 }

@@ -11,8 +11,8 @@
 
 namespace puppetwarp {
 
-//! L-BFGS over eight steps, its metric a factored Hessian of somewhere near, with Armijo's rule and steps bounded by where
-//! the energy stops to be defined.   ALGORITHMS.md section 4; Nocedal & Wright 2006, algorithm 7.4.
+//! L-BFGS over eight steps, its metric a factored Hessian of somewhere near, with Armijo's rule and steps bounded by
+//! where the energy stops to be defined.   ALGORITHMS.md section 4; Nocedal & Wright 2006, algorithm 7.4.
 class Descent {
 public:
     //! \param objective  kept by reference: its conditions may change between steps, see `restart`.
@@ -72,13 +72,15 @@ struct Minimum {
     std::vector<double> history;  //!< values from the start on, never rising
 };
 
-//! Makes a metric for positions.
-using MetricMaker = std::function<std::shared_ptr<const ConstrainedMetric>(const Eigen::VectorXcd& x)>;
+//! Makes a metric for positions when the last one has been outrun, or null to go on with that.
+//! `stuck`: the last one finds no way down at all.
+using MetricMaker =
+    std::function<std::shared_ptr<ConstrainedMetric>(const Eigen::VectorXcd& x, int iterations, bool stuck)>;
 
 //! Descends until the rule says so. The metric is made anew when progress slows.
 //! \param metric  in: one of somewhere near; out: the last one.
 //! \throw Cancelled
-Minimum minimise(Descent& descent, std::shared_ptr<const ConstrainedMetric>& metric, const MetricMaker& renewed,
+Minimum minimise(Descent& descent, std::shared_ptr<ConstrainedMetric>& metric, const MetricMaker& renewed,
                  const StopRule& rule, Progress& progress);
 
 }  // namespace puppetwarp

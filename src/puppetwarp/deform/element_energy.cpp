@@ -52,7 +52,8 @@ Complex direction_of(double re, double im) {
 
 class ElementEnergy : public Energy {
 public:
-    ElementEnergy(const TriangleMesh& mesh, const Eigen::VectorXd& stiffness) : elements_(elements_of(mesh, stiffness)) {}
+    ElementEnergy(const TriangleMesh& mesh, const Eigen::VectorXd& stiffness)
+        : elements_(elements_of(mesh, stiffness)) {}
 
     int cells() const override { return static_cast<int>(elements_.size()); }
     std::span<const int> vertices(int cell) const override { return element(cell).v; }

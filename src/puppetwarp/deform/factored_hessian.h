@@ -54,8 +54,8 @@ private:
     const Energy& energy_;
     VertexSprings grounds_;
     VertexSprings springs_;
-    std::vector<int> free_;  // vertices
-    std::vector<int> slot_;  // of each vertex among free_, or -1
+    std::vector<int> free_;                 // vertices
+    std::vector<int> slot_;                 // of each vertex among free_, or -1
     Eigen::SparseMatrix<double> constant_;  // lower triangle: pattern of all, values of what does not change
     std::vector<int> cell_map_;             // where each cell's numbers go among the values; -1: nowhere
     std::optional<PairedCholeskyPattern> pattern_;

@@ -77,8 +77,8 @@ double largest_error(const Eigen::VectorXcd& x, const Binding& binding, const Go
         }
     }
     for (std::size_t k = 0; k < binding.vertices.size(); ++k) {
-        largest = std::max(largest,
-                           std::abs(x(binding.vertices[k].vertex) - goals.vertices(static_cast<Eigen::Index>(k))));
+        largest =
+            std::max(largest, std::abs(x(binding.vertices[k].vertex) - goals.vertices(static_cast<Eigen::Index>(k))));
     }
     return largest;
 }
@@ -193,8 +193,8 @@ GoalPath::GoalPath(const Binding& binding, const Goals& from, const Goals& to, d
         const double common = std::arg(turn[h]);
         const double angle = common - nearest_turn(common - std::arg(arm_to / arm_from));
         widest_turn_ = std::max(widest_turn_, std::abs(angle));
-        vertices_.push_back({centre_from[h], centre_to[h], arm_from,
-                             Complex(std::log(std::abs(arm_to) / std::abs(arm_from)), angle)});
+        vertices_.push_back(
+            {centre_from[h], centre_to[h], arm_from, Complex(std::log(std::abs(arm_to) / std::abs(arm_from)), angle)});
     }
 }
 

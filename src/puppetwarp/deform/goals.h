@@ -25,8 +25,8 @@ struct Goals {
 //! The goals that targets ask for. \param rest  #V
 Goals goals_of(const Targets& targets, const Binding& binding, const Eigen::VectorXcd& rest);
 
-//! What x has now of the goals: the same fields fixed, angles counted so that the way to `goals` is the short one, unless
-//! that says how far.
+//! What x has now of the goals: the same fields fixed, angles counted so that the way to `goals` is the short one,
+//! unless that says how far.
 Goals goals_at(const Eigen::VectorXcd& x, const Binding& binding, const Goals& goals);
 
 //! Largest distance from what the goals ask for, turns measured at the hold's radius. px
@@ -37,7 +37,8 @@ double largest_error(const Eigen::VectorXcd& x, const Binding& binding, const Go
 Eigen::VectorXcd rigid_fit(const Eigen::VectorXcd& rest, const Binding& binding, const Goals& goals);
 
 //! A way from some goals to others in strides that a descent can follow. What turned about the rest of the handles is
-//! led along a logarithmic spiral about them, not through them: straight across a joint, a limb would come out mirrored.
+//! led along a logarithmic spiral about them, not through them: straight across a joint, a limb would come out
+//! mirrored.
 class GoalPath {
 public:
     //! \param size     bounding diagonal of the mesh.

@@ -5,7 +5,8 @@ namespace puppetwarp {
 double Objective::spring_value(const Eigen::VectorXcd& x) const {
     if (penalty == 0) return 0;
     double sum = missing(x).squaredNorm();
-    for (std::size_t k = 0; k < sprung.size(); ++k) sum += std::norm(x(sprung[k]) - anchors(static_cast<Eigen::Index>(k)));
+    for (std::size_t k = 0; k < sprung.size(); ++k)
+        sum += std::norm(x(sprung[k]) - anchors(static_cast<Eigen::Index>(k)));
     return penalty / 2 * sum;
 }
 
@@ -20,8 +21,7 @@ double Objective::gradient(const Eigen::VectorXcd& x, Eigen::VectorXcd& g) const
         const Eigen::VectorXd off = missing(x);
         for (std::size_t k = 0; k < conditions.size(); ++k) {
             // Re(conj(d) c x) has the derivative conj(conj(d) c).
-            const std::complex<double> pull =
-                -penalty * off(static_cast<Eigen::Index>(k)) * conditions[k].direction;
+            const std::complex<double> pull = -penalty * off(static_cast<Eigen::Index>(k)) * conditions[k].direction;
             for (const auto& [vertex, c] : rows[static_cast<std::size_t>(conditions[k].row)]) {
                 g(vertex) += pull * std::conj(c);
             }

@@ -9,12 +9,12 @@ namespace puppetwarp {
 //! What a variational method minimises: an energy, with the handles either as exact conditions or as springs.
 struct Objective {
     const Energy& energy;
-    const std::vector<bool>& free;         //!< #V: whether a vertex may move
-    const std::vector<ComplexRow>& rows;   //!< of which conditions are made
-    double penalty = 0;                    //!< stiffness of springs; 0: conditions are exact
-    std::vector<Condition> conditions;     //!< of the pose at hand
-    std::vector<int> sprung;               //!< with a penalty: vertices on springs of their own
-    Eigen::VectorXcd anchors;              //!< where these are drawn to
+    const std::vector<bool>& free;        //!< #V: whether a vertex may move
+    const std::vector<ComplexRow>& rows;  //!< of which conditions are made
+    double penalty = 0;                   //!< stiffness of springs; 0: conditions are exact
+    std::vector<Condition> conditions;    //!< of the pose at hand
+    std::vector<int> sprung;              //!< with a penalty: vertices on springs of their own
+    Eigen::VectorXcd anchors;             //!< where these are drawn to
 
     //! Energy plus springs, px^2; infinite where the energy is.
     double value(const Eigen::VectorXcd& x) const;

@@ -21,6 +21,9 @@ constexpr double bending_share = 0.02;
 // energy and all in the Laplacian.
 constexpr double laplacian_share = 0.2;
 
+// A scale is met when it is as near as this; springs leave what they leave.
+constexpr double settled_scale = 1e-10;
+
 }  // namespace
 
 VariationalProblem::VariationalProblem(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig)
@@ -93,9 +96,8 @@ void VariationalProblem::choose_grounds(const TriangleMesh& mesh) {
     for (const auto& known : places) component_places_.push_back(static_cast<int>(known.size()));
 
     const auto farthest = [&](const std::vector<int>& vertices, const Complex& from) {
-        return *std::max_element(vertices.begin(), vertices.end(), [&](int a, int b) {
-            return std::norm(rest_(a) - from) < std::norm(rest_(b) - from);
-        });
+        return *std::max_element(vertices.begin(), vertices.end(),
+                                 [&](int a, int b) { return std::norm(rest_(a) - from) < std::norm(rest_(b) - from); });
     };
     for (std::size_t c = 0; c < free_of.size(); ++c) {
         if (free_of[c].empty() || fixed[c] > 1) continue;
@@ -134,7 +136,8 @@ void VariationalProblem::aim(Objective& objective, const Goals& goals, const Eig
         } else if (goal.scale) {
             const Complex now = row_value(hold.turn, x);
             const double length = std::abs(now);
-            objective.conditions.push_back({turn, length > 0 ? now / length : Complex(1), *goal.scale * hold.radius_px});
+            objective.conditions.push_back(
+                {turn, length > 0 ? now / length : Complex(1), *goal.scale * hold.radius_px});
         }
     }
     if (guards_folds()) objective.anchors = goals.vertices;
@@ -145,6 +148,15 @@ void VariationalProblem::place_held(const Goals& goals, Eigen::VectorXcd& x) con
     for (std::size_t k = 0; k < binding_.vertices.size(); ++k) {
         x(binding_.vertices[k].vertex) = goals.vertices(static_cast<Eigen::Index>(k));
     }
+}
+
+bool VariationalProblem::scales_settled(const Goals& goals, const Eigen::VectorXcd& x) const {
+    for (std::size_t h = 0; h < goals.holds.size(); ++h) {
+        const HoldGoal& goal = goals.holds[h];
+        if (!goal.scale || goal.angle_rad || guards_folds()) continue;
+        if (std::abs(std::abs(row_value(binding_.holds[h].turn, x)) - *goal.scale) > settled_scale) return false;
+    }
+    return true;
 }
 
 const HessianFactory& VariationalProblem::factory() const {

@@ -10,8 +10,8 @@
 
 namespace puppetwarp {
 
-//! One of `arap`, `smooth-arap`, `fold-free` on one mesh with one rig: its energy, how the handles hold, and the metrics
-//! to descend by. Immutable but for what it keeps for later; safe to share between threads.
+//! One of `arap`, `smooth-arap`, `fold-free` on one mesh with one rig: its energy, how the handles hold, and the
+//! metrics to descend by. Immutable but for what it keeps for later; safe to share between threads.
 class VariationalProblem {
 public:
     //! \throw InvalidInput  the rig does not fit the mesh or the method.
@@ -33,6 +33,9 @@ public:
     void aim(Objective& objective, const Goals& goals, const Eigen::VectorXcd& x) const;
     //! Puts the vertices that handles hold exactly.
     void place_held(const Goals& goals, Eigen::VectorXcd& x) const;
+
+    //! Whether every scale that is fixed with a free angle is met at x.
+    bool scales_settled(const Goals& goals, const Eigen::VectorXcd& x) const;
 
     //! A metric for positions near x, good for the objective's conditions.
     std::shared_ptr<ConstrainedMetric> metric(const Eigen::VectorXcd& x, const Objective& objective) const;

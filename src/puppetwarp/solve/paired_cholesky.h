@@ -16,8 +16,8 @@ struct CholmodFactor;
 }
 
 //! A P^T = L L^T of a symmetric positive definite A whose unknowns come in pairs, the two parts of a position, kept by
-//! 2 x 2 blocks in single precision: for metrics of iterations that correct themselves. A solve moves half of the memory
-//! of one in double precision, which is what bounds it. Immutable, safe to share between threads.
+//! 2 x 2 blocks in single precision: for metrics of iterations that correct themselves. A solve moves half of the
+//! memory of one in double precision, which is what bounds it. Immutable, safe to share between threads.
 class PairedCholeskyFactor {
 public:
     //! Replaces b (one complex number a pair) by A^-1 b, to about six digits.

@@ -2,8 +2,8 @@
 
 #include <puppetwarp/base/errors.h>
 
-#include <puppetwarp/deform/arap.h>
 #include <puppetwarp/deform/polyharmonic.h>
+#include <puppetwarp/deform/variational.h>
 
 #include <cmath>
 
@@ -19,7 +19,9 @@ std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const Tria
     switch (options.method) {
         case Method::harmonic: return std::make_unique<PolyharmonicDeformer>(1, mesh, rig);
         case Method::biharmonic: return std::make_unique<PolyharmonicDeformer>(2, mesh, rig);
-        case Method::arap: return std::make_unique<ArapDeformer>(options, mesh, rig);
+        case Method::arap:
+        case Method::smooth_arap:
+        case Method::fold_free: return std::make_unique<VariationalDeformer>(options, mesh, rig);
         default: throw InvalidInput("method '" + method_name(options.method) + "'", "this version does not have it");
     }
 }

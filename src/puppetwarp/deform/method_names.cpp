@@ -25,8 +25,8 @@ constexpr std::array<NamedMethod, 15> methods{{{Method::harmonic, "harmonic", tr
                                                {Method::laplacian_similarity, "laplacian-similarity", false},
                                                {Method::multiresolution, "multiresolution", false},
                                                {Method::arap, "arap", true},
-                                               {Method::smooth_arap, "smooth-arap", false},
-                                               {Method::fold_free, "fold-free", false},
+                                               {Method::smooth_arap, "smooth-arap", true},
+                                               {Method::fold_free, "fold-free", true},
                                                {Method::mls_affine, "mls-affine", false},
                                                {Method::mls_similarity, "mls-similarity", false},
                                                {Method::mls_rigid, "mls-rigid", false}}};

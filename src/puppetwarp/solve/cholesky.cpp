@@ -1,8 +1,6 @@
 #include <puppetwarp/solve/cholesky.h>
 
-#include <puppetwarp/base/errors.h>
-
-#include <cholmod.h>
+#include <puppetwarp/solve/cholmod_factor.h>
 
 #include <cassert>
 #include <complex>
@@ -13,41 +11,6 @@ namespace puppetwarp {
 
 namespace detail {
 
-// A CHOLMOD factor together with the workspace that CHOLMOD wants beside it.
-struct CholmodFactor {
-    CholmodFactor() {
-        cholmod_start(&common);
-        common.print = 0;
-        common.supernodal = CHOLMOD_SIMPLICIAL;
-        common.final_ll = 1;
-        common.nmethods = 1;
-        common.method[0].ordering = CHOLMOD_AMD;
-    }
-    ~CholmodFactor() {
-        cholmod_free_factor(&factor, &common);
-        cholmod_finish(&common);
-    }
-    CholmodFactor(const CholmodFactor&) = delete;
-    CholmodFactor& operator=(const CholmodFactor&) = delete;
-
-    void require_success() const {
-        if (common.status >= CHOLMOD_OK && factor != nullptr) return;
-        throw MachineFault("sparse factorisation",
-                           common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE
-                               ? "out of memory"
-                               : "failed with CHOLMOD status " + std::to_string(common.status),
-                           "use a coarser mesh");
-    }
-
-    cholmod_common common{};
-    cholmod_factor* factor = nullptr;
-};
-
-}  // namespace detail
-
-namespace {
-
-// CHOLMOD's view of an Eigen matrix; CHOLMOD only reads it.
 cholmod_sparse view_of(const Eigen::SparseMatrix<double>& A) {
     assert(A.isCompressed() && A.rows() == A.cols());
     cholmod_sparse view{};
@@ -65,6 +28,10 @@ cholmod_sparse view_of(const Eigen::SparseMatrix<double>& A) {
     view.packed = 1;
     return view;
 }
+
+}  // namespace detail
+
+namespace {
 
 // Forward and backward substitution; T is double, or complex for two right-hand sides at once.
 template <typename T>
@@ -124,7 +91,7 @@ void CholeskyFactor::solve_in_place(Eigen::VectorXcd& b) const {
 
 CholeskyPattern::CholeskyPattern(const Eigen::SparseMatrix<double>& lower)
     : symbolic_(std::make_unique<detail::CholmodFactor>()) {
-    cholmod_sparse view = view_of(lower);
+    cholmod_sparse view = detail::view_of(lower);
     symbolic_->factor = cholmod_analyze(&view, &symbolic_->common);
     symbolic_->require_success();
 }
@@ -137,7 +104,7 @@ std::optional<CholeskyFactor> CholeskyPattern::factorise(const Eigen::SparseMatr
     auto numeric = std::make_unique<detail::CholmodFactor>();
     numeric->factor = cholmod_copy_factor(symbolic_->factor, &numeric->common);
     numeric->require_success();
-    cholmod_sparse view = view_of(lower);
+    cholmod_sparse view = detail::view_of(lower);
     cholmod_factorize(&view, numeric->factor, &numeric->common);
     numeric->require_success();
     if (numeric->factor->minor < numeric->factor->n) return std::nullopt;

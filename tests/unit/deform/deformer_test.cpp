@@ -241,7 +241,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod,
                          });
 
 TEST(MethodNames, GoBothWays) {
-    EXPECT_EQ(method_names(), (std::vector<std::string>{"harmonic", "biharmonic", "arap"}));
+    EXPECT_EQ(method_names(), (std::vector<std::string>{"harmonic", "biharmonic", "arap", "smooth-arap", "fold-free"}));
     for (const std::string& name : method_names()) EXPECT_EQ(method_name(method_from_name(name)), name);
     for (const char* name : {"elements", "spokes", "spokes-and-rims"}) {
         EXPECT_EQ(arap_energy_name(arap_energy_from_name(name)), name);

@@ -1,4 +1,4 @@
-#include <puppetwarp/deform/arap_energy.h>
+#include <puppetwarp/deform/arap_cells.h>
 
 #include <algorithm>
 #include <array>
@@ -35,13 +35,6 @@ std::vector<std::array<Edge, 3>> triangle_edges(const TriangleMesh& mesh, const 
 
 using Cells = std::vector<std::vector<Edge>>;
 
-Cells element_cells(const std::vector<std::array<Edge, 3>>& triangles) {
-    Cells cells;
-    cells.reserve(triangles.size());
-    for (const auto& edges : triangles) cells.emplace_back(edges.begin(), edges.end());
-    return cells;
-}
-
 Cells spoke_cells(const TriangleMesh& mesh, const std::vector<std::array<Edge, 3>>& triangles) {
     // Both triangles of an edge add to its weight; ordered, so that every run sums in the same order.
     std::map<std::pair<int, int>, Edge> whole;
@@ -72,16 +65,6 @@ Cells spoke_and_rim_cells(const TriangleMesh& mesh, const std::vector<std::array
     return cells;
 }
 
-Cells cells_of(const TriangleMesh& mesh, ArapEnergy energy, const Eigen::VectorXd& stiffness) {
-    const auto triangles = triangle_edges(mesh, stiffness);
-    switch (energy) {
-        case ArapEnergy::spokes: return spoke_cells(mesh, triangles);
-        case ArapEnergy::spokes_and_rims: return spoke_and_rim_cells(mesh, triangles);
-        case ArapEnergy::elements: break;
-    }
-    return element_cells(triangles);
-}
-
 Complex direction_of(const Complex& z) {
     const double length = std::abs(z);
     return length > 0 ? z / length : Complex(1);
@@ -90,9 +73,11 @@ Complex direction_of(const Complex& z) {
 }  // namespace
 
 ArapCells::ArapCells(const TriangleMesh& mesh, ArapEnergy energy, const Eigen::VectorXd& stiffness)
-    : vertices_(static_cast<int>(mesh.V.rows())), first_edge_{0}, first_vertex_{0} {
+    : first_edge_{0}, first_vertex_{0}, twice_K_(mesh.V.rows(), mesh.V.rows()) {
+    const auto triangles = triangle_edges(mesh, stiffness);
     std::vector<Eigen::Triplet<double>> entries;
-    for (const std::vector<Edge>& cell : cells_of(mesh, energy, stiffness)) {
+    for (const std::vector<Edge>& cell :
+         energy == ArapEnergy::spokes ? spoke_cells(mesh, triangles) : spoke_and_rim_cells(mesh, triangles)) {
         // S_c x = sum of w conj(rest) (x_j - x_i); its direction is the closest rotation.
         std::map<int, Complex> functional;
         double rest_correlation = 0;
@@ -100,10 +85,10 @@ ArapCells::ArapCells(const TriangleMesh& mesh, ArapEnergy energy, const Eigen::V
             functional[edge.i] -= edge.w * std::conj(edge.rest);
             functional[edge.j] += edge.w * std::conj(edge.rest);
             rest_correlation += edge.w * std::norm(edge.rest);
-            entries.emplace_back(edge.i, edge.i, edge.w);
-            entries.emplace_back(edge.j, edge.j, edge.w);
-            entries.emplace_back(edge.i, edge.j, -edge.w);
-            entries.emplace_back(edge.j, edge.i, -edge.w);
+            entries.emplace_back(edge.i, edge.i, 2 * edge.w);
+            entries.emplace_back(edge.j, edge.j, 2 * edge.w);
+            entries.emplace_back(edge.i, edge.j, -2 * edge.w);
+            entries.emplace_back(edge.j, edge.i, -2 * edge.w);
         }
         edges_.insert(edges_.end(), cell.begin(), cell.end());
         first_edge_.push_back(static_cast<int>(edges_.size()));
@@ -114,8 +99,7 @@ ArapCells::ArapCells(const TriangleMesh& mesh, ArapEnergy energy, const Eigen::V
         first_vertex_.push_back(static_cast<int>(cell_vertices_.size()));
         rest_correlation_.push_back(std::abs(rest_correlation));
     }
-    K_.resize(vertices_, vertices_);
-    K_.setFromTriplets(entries.begin(), entries.end());
+    twice_K_.setFromTriplets(entries.begin(), entries.end());
 }
 
 // Edges are taken as differences first: near rest the energy is a small remainder, and must be one of small numbers.
@@ -131,9 +115,9 @@ Complex ArapCells::correlation(int cell, const Eigen::VectorXcd& x) const {
     return {re, im};
 }
 
-double ArapCells::energy(const Eigen::VectorXcd& x) const {
+double ArapCells::value(const Eigen::VectorXcd& x) const {
     double energy = 0;
-    for (int cell = 0; cell < count(); ++cell) {
+    for (int cell = 0; cell < cells(); ++cell) {
         const Complex r = direction_of(correlation(cell, x));
         for (int e = first_edge_[static_cast<std::size_t>(cell)]; e < first_edge_[static_cast<std::size_t>(cell) + 1];
              ++e) {
@@ -146,10 +130,10 @@ double ArapCells::energy(const Eigen::VectorXcd& x) const {
     return energy;
 }
 
-double ArapCells::gradient(const Eigen::VectorXcd& x, Eigen::VectorXcd& gradient) const {
-    gradient.setZero(x.size());
+double ArapCells::gradient(const Eigen::VectorXcd& x, Eigen::VectorXcd& g) const {
+    g.setZero(x.size());
     double energy = 0;
-    for (int cell = 0; cell < count(); ++cell) {
+    for (int cell = 0; cell < cells(); ++cell) {
         const Complex r = direction_of(correlation(cell, x));
         for (int e = first_edge_[static_cast<std::size_t>(cell)]; e < first_edge_[static_cast<std::size_t>(cell) + 1];
              ++e) {
@@ -159,28 +143,37 @@ double ArapCells::gradient(const Eigen::VectorXcd& x, Eigen::VectorXcd& gradient
             const Complex off = x(edge.j) - x(edge.i) - Complex(re, im);
             energy += edge.w * std::norm(off);
             // The rotation is the best one, so that its own change does not count.
-            gradient(edge.j) += 2 * edge.w * off;
-            gradient(edge.i) -= 2 * edge.w * off;
+            g(edge.j) += 2 * edge.w * off;
+            g(edge.i) -= 2 * edge.w * off;
         }
     }
     return energy;
 }
 
-ArapCells::Twist ArapCells::twist(int cell, const Eigen::VectorXcd& x, bool clamped, std::vector<Complex>& t) const {
+std::span<const int> ArapCells::vertices(int cell) const {
+    const int first = first_vertex_[static_cast<std::size_t>(cell)];
+    const int end = first_vertex_[static_cast<std::size_t>(cell) + 1];
+    return {cell_vertices_.data() + first, static_cast<std::size_t>(end - first)};
+}
+
+void ArapCells::cell_hessian(int cell, const Eigen::VectorXcd& x, HessianKind kind, double* lower) const {
     const Complex z = correlation(cell, x);
     const double rest = rest_correlation_[static_cast<std::size_t>(cell)];
     // A cell whose rotation is undefined has a cusp there; far enough from it the weight is the true one.
     double length = std::max(std::abs(z), 1e-9 * rest);
-    if (clamped) length = std::max(length, rest);
+    if (kind == HessianKind::clamped) length = std::max(length, rest);
+    const double weight = length > 0 ? 2 / length : 0;
     const Complex r = direction_of(z);
-    t.clear();
-    for (int k = first_vertex_[static_cast<std::size_t>(cell)]; k < first_vertex_[static_cast<std::size_t>(cell) + 1];
-         ++k) {
-        // Im(conj(r) s x) as a row over (Re x, Im x).
-        const Complex s = std::conj(r) * functional_[static_cast<std::size_t>(k)];
-        t.emplace_back(s.imag(), s.real());
+    const int first = first_vertex_[static_cast<std::size_t>(cell)];
+    const int count = 2 * (first_vertex_[static_cast<std::size_t>(cell) + 1] - first);
+    // Im(conj(r) s x) as a row over (Re x, Im x).
+    const auto entry = [&](int k) {
+        const Complex s = std::conj(r) * functional_[static_cast<std::size_t>(first + k / 2)];
+        return k % 2 == 0 ? s.imag() : s.real();
+    };
+    for (int i = 0; i < count; ++i) {
+        for (int j = 0; j <= i; ++j) *lower++ = -weight * entry(i) * entry(j);
     }
-    return {length > 0 ? 2 / length : 0, t.data()};
 }
 
 }  // namespace puppetwarp

@@ -1,0 +1,93 @@
+#include <puppetwarp/deform/constrained_metric.h>
+
+#include <cassert>
+#include <utility>
+
+namespace puppetwarp {
+
+namespace {
+
+using Complex = std::complex<double>;
+
+// Gives conditions that repeat each other a definite system; what it leaves unmet is round-off.
+constexpr double compliance = 1e-12;
+
+ComplexRow turned(const ComplexRow& row, const Complex& direction) {
+    ComplexRow result = row;
+    for (auto& entry : result) entry.second *= std::conj(direction);
+    return result;
+}
+
+double real_value(const ComplexRow& row, const Eigen::VectorXcd& x) {
+    double sum = 0;
+    for (const auto& [vertex, c] : row) sum += c.real() * x(vertex).real() - c.imag() * x(vertex).imag();
+    return sum;
+}
+
+}  // namespace
+
+double left_side(const Condition& condition, const std::vector<ComplexRow>& rows, const Eigen::VectorXcd& x) {
+    return (std::conj(condition.direction) * row_value(rows[static_cast<std::size_t>(condition.row)], x)).real();
+}
+
+ConstrainedMetric::ConstrainedMetric(std::shared_ptr<const FactoredHessian> hessian, Eigen::Index vertices,
+                                     const VertexSprings& grounds, double penalty)
+    : hessian_(std::move(hessian)), vertices_(vertices), penalty_(penalty), ground_stiffness_(grounds.stiffness) {
+    for (const int v : grounds.vertices) ground_rows_.push_back({{v, 1.0}});
+}
+
+const ConstrainedMetric::Response& ConstrainedMetric::response(int key, const ComplexRow& row) {
+    const auto found = responses_.find(key);
+    if (found != responses_.end()) return found->second;
+    Eigen::VectorXcd load = Eigen::VectorXcd::Zero(vertices_);
+    for (const auto& [vertex, c] : row) load(vertex) += std::conj(c);
+    Response response;
+    response.re = hessian_->inverse_times(load);
+    response.im = hessian_->inverse_times(Complex(0, 1) * load);
+    return responses_.emplace(key, std::move(response)).first->second;
+}
+
+void ConstrainedMetric::choose(const std::vector<ComplexRow>& rows, const std::vector<Condition>& conditions,
+                               bool keep_grounds) {
+    const std::size_t grounds = keep_grounds ? 0 : 2 * ground_rows_.size();
+    const auto count = static_cast<Eigen::Index>(conditions.size());
+    const auto all = count + static_cast<Eigen::Index>(grounds);
+    functionals_.clear();
+    if (all == 0) return;
+    W_.resize(vertices_, all);
+    Eigen::Index column = 0;
+    const auto add = [&](int key, const ComplexRow& row, const Complex& direction) {
+        const Response& r = response(key, row);
+        W_.col(column++) = direction.real() * r.re + direction.imag() * r.im;
+        functionals_.push_back(turned(row, direction));
+    };
+    for (const Condition& condition : conditions) {
+        add(condition.row, rows[static_cast<std::size_t>(condition.row)], condition.direction);
+    }
+    for (std::size_t g = 0; g < grounds; ++g) {
+        add(-1 - static_cast<int>(g / 2), ground_rows_[g / 2], g % 2 == 0 ? Complex(1) : Complex(0, 1));
+    }
+    Eigen::MatrixXd system(all, all);
+    for (Eigen::Index j = 0; j < all; ++j) {
+        const Eigen::VectorXcd response = W_.col(j);
+        for (Eigen::Index i = 0; i < all; ++i) {
+            system(i, j) = real_value(functionals_[static_cast<std::size_t>(i)], response);
+        }
+    }
+    for (Eigen::Index i = 0; i < count; ++i) system(i, i) += penalty_ > 0 ? 1 / penalty_ : compliance * system(i, i);
+    for (Eigen::Index i = count; i < all; ++i) system(i, i) -= 1 / ground_stiffness_;
+    system_.compute(system);
+}
+
+Eigen::VectorXcd ConstrainedMetric::step(const Eigen::VectorXcd& q, const Eigen::VectorXd& missing) const {
+    assert(missing.size() == 0 || penalty_ == 0);
+    Eigen::VectorXcd p = hessian_->inverse_times(q);
+    if (functionals_.empty()) return p;
+    Eigen::VectorXd off(static_cast<Eigen::Index>(functionals_.size()));
+    for (Eigen::Index i = 0; i < off.size(); ++i) off(i) = real_value(functionals_[static_cast<std::size_t>(i)], p);
+    off.head(missing.size()) -= missing;
+    p -= W_ * system_.solve(off);
+    return p;
+}
+
+}  // namespace puppetwarp

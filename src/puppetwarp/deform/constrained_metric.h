@@ -1,0 +1,65 @@
+#pragma once
+// Private header.
+
+#include <puppetwarp/deform/factored_hessian.h>
+#include <puppetwarp/rig/binding.h>
+
+#include <Eigen/LU>
+
+#include <map>
+
+namespace puppetwarp {
+
+//! One real condition on the positions: Re(conj(direction) rows[row](x)) = value.
+struct Condition {
+    int row = 0;                         //!< among the rows of the metric
+    std::complex<double> direction = 1;  //!< of length 1
+    double value = 0;
+};
+
+//! The value of a condition's left side.
+double left_side(const Condition& condition, const std::vector<ComplexRow>& rows, const Eigen::VectorXcd& x);
+
+//! The Newton step of an energy under conditions on the positions: a factored Hessian that knows nothing of the
+//! conditions, and a small dense system for them. So conditions come, go and turn without a new factor, for the
+//! price of two solves for a row that is new; the grounds that made the Hessian definite are taken out again in the
+//! same system (Woodbury).
+class ConstrainedMetric {
+public:
+    //! \param grounds  as given to the Hessian.
+    //! \param penalty  0: conditions hold exactly; else each is a spring of this stiffness.
+    ConstrainedMetric(std::shared_ptr<const FactoredHessian> hessian, Eigen::Index vertices,
+                      const VertexSprings& grounds, double penalty);
+
+    //! Chooses the conditions that hold from now on.
+    //! \param rows          of which conditions are made: always the same ones, or more at the end.
+    //! \param keep_grounds  for handles that leave rigid motions free: the metric is then stiffer than the energy.
+    void choose(const std::vector<ComplexRow>& rows, const std::vector<Condition>& conditions, bool keep_grounds);
+
+    //! The p that minimises -Re<q, p> + p^T H p / 2 under the conditions that their left sides at p are `missing`, or 0
+    //! where that is empty. With a penalty the conditions are springs, part of H, and `missing` is empty.
+    Eigen::VectorXcd step(const Eigen::VectorXcd& q, const Eigen::VectorXd& missing = {}) const;
+
+    bool exact() const { return hessian_->exact(); }
+
+private:
+    // A row and what the Hessian makes of unit loads on its real and its imaginary part.
+    struct Response {
+        Eigen::VectorXcd re;
+        Eigen::VectorXcd im;
+    };
+    const Response& response(int key, const ComplexRow& row);
+
+    std::shared_ptr<const FactoredHessian> hessian_;
+    Eigen::Index vertices_;
+    double penalty_;
+    double ground_stiffness_;
+    std::vector<ComplexRow> ground_rows_;
+    std::map<int, Response> responses_;  // by row; grounds are -1, -2, ...
+    // What was chosen: functionals of positions, their responses as columns, and the system between them.
+    std::vector<ComplexRow> functionals_;  // with their directions multiplied in: the real part counts
+    Eigen::MatrixXcd W_;
+    Eigen::PartialPivLU<Eigen::MatrixXd> system_;
+};
+
+}  // namespace puppetwarp

@@ -1,0 +1,175 @@
+#include <puppetwarp/deform/variational.h>
+
+#include <puppetwarp/base/errors.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace puppetwarp {
+
+namespace {
+
+using Complex = std::complex<double>;
+
+// Energies below this share of the squared size are what round-off makes of none.
+constexpr double round_off_energy = 1e-18;
+constexpr double round_off_share = 1e-12;
+// Handles whose targets are missed by more than this share of the subject's size contradict each other.
+constexpr double contradiction = 1e-6;
+// A disc that shrank to this share of its size counts as crushed.
+constexpr double crushed = 0.1;
+// On the way, coming near to the minimum is enough.
+constexpr double loose_tolerance = 1e-2;
+constexpr int loose_iterations = 12;
+// A stride that took more iterations has outrun the factor.
+constexpr int patience = 3;
+// Turns below are the same by any way.
+constexpr double far_turn_rad = 1.0;
+// A constant metric is given up for the true one after this many iterations.
+constexpr int constant_iterations = 80;
+// A fixed scale with a free angle is a curved condition: met in so many rounds of straight ones.
+constexpr int most_rounds = 20;
+// What the straight way must be better than the turning one.
+constexpr double better_share = 0.999;
+
+}  // namespace
+
+VariationalDeformer::VariationalDeformer(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig)
+    : problem_(options, mesh, rig) {}
+
+// Leads the handles from where x has them to the goals, and ends in a minimum there.
+VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& start, const Goals& goals, bool spirals,
+                                                       int most_iterations, Progress& progress) const {
+    const double floor = round_off_energy * problem_.size() * problem_.size();
+    const MethodOptions& options = problem_.options();
+    const GoalPath path(problem_.binding(), goals_at(start, problem_.binding(), goals), goals, problem_.size(),
+                        spirals);
+    const int strides = path.strides();
+    Objective objective = problem_.objective(path.at(1.0 / strides), start);
+    Descent descent(objective, start);
+    std::shared_ptr<ConstrainedMetric> metric;
+    const MetricMaker renewed = [&](const Eigen::VectorXcd& x, int iterations,
+                                    bool stuck) -> std::shared_ptr<ConstrainedMetric> {
+        if (problem_.constant_metric() && iterations < constant_iterations && !stuck) return nullptr;
+        return problem_.exact_metric(x, objective);
+    };
+    const auto aim = [&](const Goals& here, bool renew) {
+        Eigen::VectorXcd x = descent.x();
+        problem_.place_held(here, x);
+        problem_.aim(objective, here, x);
+        descent.restart_at(std::move(x));
+        if (!metric || renew) {
+            metric = problem_.metric(descent.x(), objective);
+            descent.forget();
+        } else {
+            problem_.choose(*metric, objective);
+        }
+        descent.meet_conditions(*metric);
+    };
+
+    bool slow = false;
+    int spent = 0;
+    for (int s = 1; s < strides; ++s) {
+        aim(path.at(static_cast<double>(s) / strides), slow);
+        const int budget = std::clamp(most_iterations - spent, 0, loose_iterations);
+        const Minimum near = minimise(descent, metric, renewed, {loose_tolerance, budget, floor}, progress);
+        spent += near.iterations;
+        slow = near.iterations > patience && !problem_.constant_metric();
+    }
+    Outcome outcome;
+    for (int round = 0; round < most_rounds; ++round) {
+        aim(goals, slow);
+        const int budget = std::max(0, most_iterations - spent);
+        outcome.minimum = minimise(descent, metric, renewed, {options.tolerance, budget, floor}, progress);
+        spent += outcome.minimum.iterations;
+        // Strides add up round-off; the handles are met to the last of it.
+        descent.polish_conditions(*metric);
+        if (problem_.scales_settled(goals, descent.x())) break;
+    }
+    outcome.x = descent.x();
+    outcome.minimum.iterations = spent;
+    outcome.value = descent.value();
+    return outcome;
+}
+
+// Both ways where they differ, and the better end.
+VariationalDeformer::Outcome VariationalDeformer::best_lead(const Eigen::VectorXcd& start, const Goals& goals,
+                                                            bool warm, Progress& progress) const {
+    const int most = problem_.options().max_iterations;
+    Outcome turning = lead(start, goals, true, most, progress);
+    const bool guided = std::any_of(goals.holds.begin(), goals.holds.end(),
+                                    [](const HoldGoal& goal) { return goal.way_rad.has_value(); });
+    const GoalPath path(problem_.binding(), goals_at(start, problem_.binding(), goals), goals, problem_.size(), true);
+    if (warm || guided || path.widest_turn_rad() < far_turn_rad || !turning.minimum.converged) return turning;
+    Outcome straight = lead(start, goals, false, most - turning.minimum.iterations, progress);
+    const int iterations = turning.minimum.iterations + straight.minimum.iterations;
+    Outcome& better = straight.value < better_share * turning.value ? straight : turning;
+    better.minimum.iterations = iterations;
+    return better;
+}
+
+// A fixed angle leaves the turn a line through 0: a disc that was crushed there may have come out on the other side,
+// turned by 180 degrees too many. Such goals get the scale of the rest pose.
+// \return whether there was one.
+bool VariationalDeformer::keep_facing(const Eigen::VectorXcd& x, Goals& goals) const {
+    bool changed = false;
+    for (std::size_t h = 0; h < goals.holds.size(); ++h) {
+        HoldGoal& goal = goals.holds[h];
+        if (!goal.angle_rad || goal.scale) continue;
+        const Complex turn = row_value(problem_.binding().holds[h].turn, x);
+        if ((turn * std::polar(1.0, -*goal.angle_rad)).real() > crushed) continue;
+        goal.scale = 1;
+        changed = true;
+    }
+    return changed;
+}
+
+Deformation VariationalDeformer::deform(const Pose& pose, const Eigen::MatrixX2d* start, Progress& progress) const {
+    Goals goals = problem_.goals(pose);
+    const Eigen::VectorXcd& rest = problem_.rest();
+    if (start != nullptr && (start->rows() != rest.size() || !start->allFinite())) {
+        throw InvalidInput("start", "it is not one finite position for each vertex of the mesh");
+    }
+    const double size = problem_.size();
+    Eigen::VectorXcd x = start != nullptr ? complex_positions(*start) : rigid_fit(rest, problem_.binding(), goals);
+    for (Eigen::Index v = 0; v < x.size(); ++v) {
+        if (problem_.binding().loose[static_cast<std::size_t>(v)]) x(v) = rest(v);
+    }
+    Deformation result;
+    result.warnings = problem_.binding().warnings;
+    const Objective objective = problem_.objective(goals, x);
+    if (!(objective.value(x) < std::numeric_limits<double>::infinity())) {
+        throw InvalidInput("start", "it has triangles that are folded over", "start from the rest pose");
+    }
+    Eigen::VectorXcd placed = x;
+    problem_.place_held(goals, placed);
+    const double energy = objective.value(placed);
+    const bool settled = energy <= round_off_energy * size * size &&
+                         largest_error(placed, problem_.binding(), goals) <= round_off_share * size;
+    if (settled || !problem_.has_unknowns()) {
+        x = placed;  // a rigid motion, or nothing is free: nothing is left to solve
+        result.energy_history = {energy};
+    } else {
+        Outcome outcome = best_lead(x, goals, start != nullptr, progress);
+        result.iterations = outcome.minimum.iterations;
+        if (keep_facing(outcome.x, goals)) {
+            outcome = best_lead(x, goals, start != nullptr, progress);
+            result.iterations += outcome.minimum.iterations;
+        }
+        result.converged = outcome.minimum.converged;
+        result.energy_history = std::move(outcome.minimum.history);
+        x = std::move(outcome.x);
+    }
+    result.energy = result.energy_history.back();
+    result.V = point_positions(x);
+    result.max_handle_error_px = largest_error(x, problem_.binding(), goals);
+    if (!problem_.guards_folds() && result.max_handle_error_px > contradiction * size) {
+        throw InvalidInput("pose '" + pose.name + "'",
+                           "handles that are close together ask for what cannot be met together",
+                           "move them apart, or remove one");
+    }
+    return result;
+}
+
+}  // namespace puppetwarp

@@ -1,0 +1,33 @@
+#pragma once
+// Private header.
+
+#include <puppetwarp/deform/variational_problem.h>
+
+namespace puppetwarp {
+
+//! `arap`, `smooth-arap` and `fold-free`: the least energy that meets the handles, exactly in the first two, as strong
+//! springs in the last, which never folds a triangle over. A point's fixed angle theta is Im(e^(-i theta) mean f_z) = 0
+//! over its disc, together with a scale s it is mean f_z = s e^(i theta), a scale alone is |mean f_z| = s.
+//! The energies have many minima: the handles are led to their targets in strides small enough to follow, from the rest
+//! pose brought as near to them as a rigid motion can, or from the given start. Where that turns something far, both
+//! the straight and the turning way are gone, and the better end counts.
+class VariationalDeformer : public Deformer {
+public:
+    VariationalDeformer(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig);
+    Deformation deform(const Pose& pose, const Eigen::MatrixX2d* start, Progress& progress) const override;
+
+private:
+    struct Outcome {
+        Eigen::VectorXcd x;
+        Minimum minimum;
+        double value = 0;
+    };
+    Outcome lead(const Eigen::VectorXcd& start, const Goals& goals, bool spirals, int most_iterations,
+                 Progress& progress) const;
+    Outcome best_lead(const Eigen::VectorXcd& start, const Goals& goals, bool warm, Progress& progress) const;
+    bool keep_facing(const Eigen::VectorXcd& x, Goals& goals) const;
+
+    VariationalProblem problem_;
+};
+
+}  // namespace puppetwarp

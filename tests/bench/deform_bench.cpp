@@ -107,7 +107,7 @@ void local_global_frame(benchmark::State& state) {
     Progress progress;
     Eigen::MatrixX2d start = deformer->deform(typical_pose(), nullptr, progress).V;
     std::vector<int> held;
-    for (const Hold& hold : take_hold(mesh, eight_pins(), "arap")) {
+    for (const Hold& hold : take_hold(mesh, eight_pins(), "arap").holds) {
         held.push_back(reference::nearest_vertex(mesh, Point(hold.at.real(), hold.at.imag())));
     }
     start.row(held[2]) += Eigen::RowVector2d(3, -4);

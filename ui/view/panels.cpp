@@ -85,8 +85,8 @@ const char* about(Method method) {
         case Method::harmonic: return "Soft as rubber near each pin; stretches freely.";
         case Method::biharmonic: return "Smooth everywhere; bends in wide curves.";
         case Method::arap: return "As rigid as possible: limbs keep their size.";
+        default: return "";
     }
-    return "";
 }
 
 void draw_method(Editor& editor) {

@@ -41,20 +41,29 @@ ArapDeformer::ArapDeformer(const MethodOptions& options, const TriangleMesh& mes
       rest_(complex_positions(mesh.V)),
       size_(bounding_diagonal(mesh.V)),
       rig_(rig),
-      holds_(take_hold(mesh, rig, method_name(Method::arap))),
-      loose_(mesh, holds_),
+      mesh_(mesh),
+      binding_(take_hold(mesh, rig, method_name(Method::arap))),
+      holds_(arap_holds(binding_)),
       cells_(mesh, options.arap_energy, triangle_stiffness(mesh, rig.stiffness)),
-      system_(cells_, holds_, loose_.loose()) {
-    for (const Hold& hold : holds_) rest_means_.push_back(row_value(hold.mean, rest_));
+      system_(cells_, holds_, binding_.loose) {
+    for (const ArapHold& hold : holds_) rest_means_.push_back(row_value(hold.mean, rest_));
 }
 
-std::vector<ArapDeformer::Goal> ArapDeformer::goals_of(const std::vector<HoldTarget>& targets) const {
-    std::vector<Goal> goals(targets.size());
-    for (std::size_t h = 0; h < targets.size(); ++h) {
-        goals[h].mean = rest_means_[h] + targets[h].move;
-        goals[h].turned = targets[h].rotate_rad.has_value();
-        goals[h].angle = targets[h].rotate_rad.value_or(0);
-        goals[h].scale = targets[h].scale.value_or(0);
+std::vector<ArapDeformer::Goal> ArapDeformer::goals_of(const Targets& targets) const {
+    std::vector<Goal> goals(holds_.size());
+    for (std::size_t h = 0; h < targets.holds.size(); ++h) {
+        const HoldTarget& target = targets.holds[h];
+        if (target.scale && !target.rotate_rad) {
+            throw InvalidInput("handle '" + rig_.handles[static_cast<std::size_t>(binding_.holds[h].handle)].id + "'",
+                               "'arap' can set a scale only together with an angle", "give rotate_deg too");
+        }
+        goals[h].mean = rest_means_[h] + target.move;
+        goals[h].turned = target.rotate_rad.has_value();
+        goals[h].angle = target.rotate_rad.value_or(0);
+        goals[h].scale = target.scale.value_or(0);
+    }
+    for (std::size_t i = 0; i < binding_.vertices.size(); ++i) {
+        goals[targets.holds.size() + i].mean = targets.vertices(static_cast<Eigen::Index>(i));
     }
     return goals;
 }
@@ -125,7 +134,7 @@ ArapDeformer::Problem ArapDeformer::problem_of(const std::vector<Goal>& goals, c
         d.push_back(factor * (value - fixed));
     };
     for (std::size_t h = 0; h < goals.size(); ++h) {
-        const Hold& hold = holds_[h];
+        const ArapHold& hold = holds_[h];
         const Goal& goal = goals[h];
         if (hold.hard) continue;
         add(hold.mean, 1, 1, goal.mean.real());
@@ -212,14 +221,16 @@ double ArapDeformer::largest_error(const std::vector<Goal>& goals, const Eigen::
 }
 
 Deformation ArapDeformer::deform(const Pose& pose, const Eigen::MatrixX2d* start, Progress& progress) const {
-    const std::vector<HoldTarget> targets = resolve(holds_, rig_, pose, size_, method_name(Method::arap));
-    std::vector<Goal> goals = goals_of(targets);
+    std::vector<Goal> goals = goals_of(resolve(binding_, mesh_, rig_, pose, AffineUse::no, method_name(Method::arap)));
     if (start != nullptr && (start->rows() != rest_.size() || !start->allFinite())) {
         throw InvalidInput("start", "it is not one finite position for each vertex of the mesh");
     }
     Eigen::VectorXcd x = start != nullptr ? complex_positions(*start) : rigid_start(goals);
-    loose_.place(targets, rest_, x);
+    for (Eigen::Index v = 0; v < x.size(); ++v) {
+        if (binding_.loose[static_cast<std::size_t>(v)]) x(v) = rest_(v);
+    }
     Deformation result;
+    result.warnings = binding_.warnings;
     if (system_.unknowns() == 0) {
         place_fixed(goals, x);
         result.energy_history = {cells_.energy(x)};

@@ -3,7 +3,6 @@
 
 #include <puppetwarp/deform/arap_minimiser.h>
 #include <puppetwarp/deform/deformer.h>
-#include <puppetwarp/deform/loose_components.h>
 
 namespace puppetwarp {
 
@@ -29,7 +28,7 @@ private:
         Eigen::VectorXd d;
     };
 
-    std::vector<Goal> goals_of(const std::vector<HoldTarget>& targets) const;
+    std::vector<Goal> goals_of(const Targets& targets) const;
     std::vector<Goal> goals_at(const Eigen::VectorXcd& x, const std::vector<Goal>& goals) const;
     Eigen::VectorXcd rigid_start(const std::vector<Goal>& goals) const;
     int steps_between(const std::vector<Goal>& from, const std::vector<Goal>& to) const;
@@ -44,9 +43,10 @@ private:
     Eigen::VectorXcd rest_;
     double size_;
     Rig rig_;
-    std::vector<Hold> holds_;
+    TriangleMesh mesh_;
+    Binding binding_;
+    std::vector<ArapHold> holds_;
     std::vector<std::complex<double>> rest_means_;
-    LooseComponents loose_;
     ArapCells cells_;
     ArapSystem system_;
 };

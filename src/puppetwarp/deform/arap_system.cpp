@@ -18,12 +18,20 @@ constexpr double penalty_factor = 1e4;
 
 }  // namespace
 
-ArapSystem::ArapSystem(const ArapCells& cells, const std::vector<Hold>& holds, const std::vector<bool>& loose)
+std::vector<ArapHold> arap_holds(const Binding& binding) {
+    std::vector<ArapHold> holds;
+    holds.reserve(binding.holds.size() + binding.vertices.size());
+    for (const Hold& hold : binding.holds) holds.push_back({hold.mean, hold.turn, hold.radius_px, false});
+    for (const HeldVertex& held : binding.vertices) holds.push_back({{{held.vertex, 1.0}}, {}, 0, true});
+    return holds;
+}
+
+ArapSystem::ArapSystem(const ArapCells& cells, const std::vector<ArapHold>& holds, const std::vector<bool>& loose)
     : cells_(cells), slot_(loose.size(), 0) {
     for (std::size_t v = 0; v < loose.size(); ++v) {
         if (loose[v]) slot_[v] = -1;
     }
-    for (const Hold& hold : holds) {
+    for (const ArapHold& hold : holds) {
         if (hold.hard) slot_[static_cast<std::size_t>(hold.mean.front().first)] = -1;
     }
     for (std::size_t v = 0; v < slot_.size(); ++v) {
@@ -37,7 +45,7 @@ ArapSystem::ArapSystem(const ArapCells& cells, const std::vector<Hold>& holds, c
     pattern_.emplace(lower_);
 }
 
-void ArapSystem::build_pattern(const std::vector<Hold>& holds) {
+void ArapSystem::build_pattern(const std::vector<ArapHold>& holds) {
     std::vector<Eigen::Triplet<double>> entries;
     const auto couple = [&](const std::vector<int>& vertices) {
         for (const int a : vertices) {
@@ -54,7 +62,7 @@ void ArapSystem::build_pattern(const std::vector<Hold>& holds) {
         }
     };
     for (int c = 0; c < cells_.count(); ++c) couple({cells_.vertices_begin(c), cells_.vertices_end(c)});
-    for (const Hold& hold : holds) {
+    for (const ArapHold& hold : holds) {
         std::vector<int> vertices;
         for (const auto& entry : hold.mean) vertices.push_back(entry.first);
         for (const auto& entry : hold.turn) vertices.push_back(entry.first);

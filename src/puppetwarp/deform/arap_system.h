@@ -10,11 +10,22 @@
 
 namespace puppetwarp {
 
+//! What is constrained of a mesh: a weighted mean and its turn, or one vertex.
+struct ArapHold {
+    ComplexRow mean;
+    ComplexRow turn;  //!< empty when hard
+    double radius_px = 0;
+    bool hard = false;  //!< one vertex
+};
+
+//! The holds of a binding, then its vertices.
+std::vector<ArapHold> arap_holds(const Binding& binding);
+
 //! The unknowns of an ARAP problem, (Re, Im) of each vertex that may move freely, and the second derivative over them.
 //! Hard holds and parts that no handle holds are not unknowns. Immutable.
 class ArapSystem {
 public:
-    ArapSystem(const ArapCells& cells, const std::vector<Hold>& holds, const std::vector<bool>& loose);
+    ArapSystem(const ArapCells& cells, const std::vector<ArapHold>& holds, const std::vector<bool>& loose);
 
     Eigen::Index unknowns() const { return 2 * static_cast<Eigen::Index>(free_.size()); }
     //! The unknowns' part of a function on all vertices.
@@ -39,7 +50,7 @@ public:
     double penalty() const { return penalty_; }
 
 private:
-    void build_pattern(const std::vector<Hold>& holds);
+    void build_pattern(const std::vector<ArapHold>& holds);
     void build_cell_map();
     int find(int row, int column) const;
     void fill(Eigen::SparseMatrix<double>& H, const Eigen::VectorXcd& x, const ConstraintSpace& constraints,

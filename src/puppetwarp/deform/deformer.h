@@ -43,8 +43,8 @@ struct MethodOptions {
     ArapEnergy arap_energy = ArapEnergy::elements;
     //! Of `smooth-arap`: lengths below it bend together. Above 0; none: a fixed share of the subject's size.
     std::optional<double> bending_length_px;
-    double stretching = 1;  //!< of `thin-shell`: k_s, at least 0
-    double bending = 0.01;  //!< of `thin-shell`: k_b as a share of the subject's squared diagonal, at least 0
+    double stretching = 1;      //!< of `thin-shell`: k_s, at least 0
+    double bending = 0.01;      //!< of `thin-shell`: k_b as a share of the subject's squared diagonal, at least 0
     double tolerance = 1e-8;    //!< iterative methods stop at this relative change of energy, above 0
     int max_iterations = 1000;  //!< at least 1; stopping here is `converged = false`
 };

@@ -28,15 +28,16 @@ PolyharmonicDeformer::PolyharmonicDeformer(int order, const TriangleMesh& mesh, 
       rest_(complex_positions(mesh.V)),
       size_(bounding_diagonal(mesh.V)),
       rig_(rig),
-      holds_(take_hold(mesh, rig, name())),
-      loose_(mesh, holds_),
+      mesh_(mesh),
+      binding_(take_hold(mesh, rig, name())),
       component_(vertex_components(mesh)),
       L_(cotangent_stiffness(mesh, order == 1 ? triangle_stiffness(mesh, rig.stiffness) : Eigen::VectorXd())),
       M_(lumped_mass(mesh)),
       component_mass_(Eigen::VectorXd::Zero(component_.maxCoeff() + 1)),
       inverse_(L_, component_) {
     for (int v = 0; v < component_.size(); ++v) component_mass_(component_(v)) += M_(v);
-    for (const Hold& hold : holds_) held_.push_back(hold.component);
+    for (const Hold& hold : binding_.holds) held_.push_back(hold.component);
+    for (const HeldVertex& held : binding_.vertices) held_.push_back(component_(held.vertex));
     std::sort(held_.begin(), held_.end());
     held_.erase(std::unique(held_.begin(), held_.end()), held_.end());
     prepare_rows();
@@ -74,11 +75,19 @@ Eigen::VectorXcd PolyharmonicDeformer::load(const std::vector<int>& rows, const 
 }
 
 void PolyharmonicDeformer::prepare_rows() {
-    const int count = static_cast<int>(holds_.size());
-    for (int h = 0; h < count; ++h) rows_.push_back({h, false, holds_[static_cast<std::size_t>(h)].mean});
-    for (int h = 0; h < count; ++h) {
-        const Hold& hold = holds_[static_cast<std::size_t>(h)];
-        if (!hold.turn.empty()) rows_.push_back({h, true, times(hold.turn, hold.radius_px)});
+    const int holds = static_cast<int>(binding_.holds.size());
+    for (int h = 0; h < holds; ++h) {
+        const Hold& hold = binding_.holds[static_cast<std::size_t>(h)];
+        rows_.push_back({h, false, false, hold.component, hold.mean});
+    }
+    for (const HeldVertex& held : binding_.vertices) {
+        const int index = static_cast<int>(rows_.size()) - holds;
+        rows_.push_back({index, true, false, component_(held.vertex), {{held.vertex, 1.0}}});
+    }
+    const std::size_t means = rows_.size();
+    for (int h = 0; h < holds; ++h) {
+        const Hold& hold = binding_.holds[static_cast<std::size_t>(h)];
+        if (!hold.turn.empty()) rows_.push_back({h, false, true, hold.component, times(hold.turn, hold.radius_px)});
     }
     const auto size = static_cast<Eigen::Index>(rows_.size());
     response_.resize(size, size);
@@ -94,7 +103,7 @@ void PolyharmonicDeformer::prepare_rows() {
     scale_ = Eigen::VectorXd::Constant(size + static_cast<Eigen::Index>(held_.size()), std::sqrt(typical));
     for (Eigen::Index i = 0; i < size; ++i) scale_(i) = 1 / std::sqrt(std::max(diagonal(i), 1e-6 * typical));
 
-    mean_rows_.resize(static_cast<std::size_t>(count));
+    mean_rows_.resize(means);
     std::iota(mean_rows_.begin(), mean_rows_.end(), 0);
     mean_solver_ = saddle_solver(mean_rows_);
 }
@@ -113,8 +122,7 @@ PolyharmonicDeformer::Solver PolyharmonicDeformer::saddle_solver(const std::vect
             saddle(i, j) = scale_(row) * response_(row, column) * scale_(column);
         }
         if (entry.turn) continue;
-        const int component = holds_[static_cast<std::size_t>(entry.hold)].component;
-        const auto at = std::lower_bound(held_.begin(), held_.end(), component) - held_.begin();
+        const auto at = std::lower_bound(held_.begin(), held_.end(), entry.component) - held_.begin();
         const Eigen::Index constant = m + static_cast<Eigen::Index>(at);
         const double unit =
             scale_(row) * scale_(static_cast<Eigen::Index>(rows_.size()) + static_cast<Eigen::Index>(at));
@@ -161,18 +169,27 @@ double PolyharmonicDeformer::energy_of(const Eigen::VectorXcd& u) const {
 
 Deformation PolyharmonicDeformer::deform(const Pose& pose, const Eigen::MatrixX2d*, Progress& progress) const {
     progress.step("deform", 0);
-    const std::vector<HoldTarget> targets = resolve(holds_, rig_, pose, size_, name());
+    const Targets targets = resolve(binding_, mesh_, rig_, pose, AffineUse::no, name());
     std::vector<int> rows;
     std::vector<Complex> wanted;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
-        const Hold& hold = holds_[static_cast<std::size_t>(rows_[i].hold)];
-        const HoldTarget& target = targets[static_cast<std::size_t>(rows_[i].hold)];
-        if (rows_[i].turn && !target.rotate_rad) continue;
+        const auto [index, vertex, turn, component, entries] = rows_[i];
+        if (vertex) {
+            rows.push_back(static_cast<int>(i));
+            wanted.push_back(targets.vertices(index) - rest_(entries.front().first));
+            continue;
+        }
+        const Hold& hold = binding_.holds[static_cast<std::size_t>(index)];
+        const HoldTarget& target = targets.holds[static_cast<std::size_t>(index)];
+        if (target.scale && !target.rotate_rad) {
+            throw InvalidInput("handle '" + rig_.handles[static_cast<std::size_t>(hold.handle)].id + "'",
+                               "'" + name() + "' can set a scale only together with an angle", "give rotate_deg too");
+        }
+        if (turn && !target.rotate_rad) continue;
         rows.push_back(static_cast<int>(i));
         // At rest f_z is 1; the rows speak of displacements.
-        wanted.push_back(rows_[i].turn
-                             ? hold.radius_px * (std::polar(target.scale.value_or(1), *target.rotate_rad) - 1.0)
-                             : target.move);
+        wanted.push_back(turn ? hold.radius_px * (std::polar(target.scale.value_or(1), *target.rotate_rad) - 1.0)
+                              : target.move);
     }
     const Eigen::VectorXcd d =
         Eigen::Map<const Eigen::VectorXcd>(wanted.data(), static_cast<Eigen::Index>(wanted.size()));
@@ -199,7 +216,7 @@ Deformation PolyharmonicDeformer::deform(const Pose& pose, const Eigen::MatrixX2
                            "move them apart, or remove one");
     }
     Eigen::VectorXcd x = rest_ + u;
-    loose_.place(targets, rest_, x);
+    result.warnings = binding_.warnings;
     result.V = point_positions(x);
     result.energy = energy_of(x - rest_);
     result.energy_history = {result.energy};

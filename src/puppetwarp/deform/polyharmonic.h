@@ -2,8 +2,8 @@
 // Private header.
 
 #include <puppetwarp/deform/deformer.h>
-#include <puppetwarp/deform/loose_components.h>
 #include <puppetwarp/mesh/operators.h>
+#include <puppetwarp/rig/binding.h>
 #include <puppetwarp/solve/grounded_inverse.h>
 
 #include <Eigen/QR>
@@ -24,10 +24,12 @@ public:
 private:
     using Solver = Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXcd>;
 
-    // A constraint row of one hold: its mean, or its turn (scaled by the hold's radius to a length).
+    // A constraint row: the mean of a hold or a held vertex, or a hold's turn (scaled by its radius to a length).
     struct Row {
-        int hold;
+        int index;  // of the hold, or of the vertex in the binding
+        bool vertex;
         bool turn;
+        int component;
         ComplexRow entries;
     };
 
@@ -43,15 +45,15 @@ private:
     Eigen::VectorXcd rest_;
     double size_;
     Rig rig_;
-    std::vector<Hold> holds_;
-    LooseComponents loose_;
+    TriangleMesh mesh_;
+    Binding binding_;
     Eigen::VectorXi component_;
     std::vector<int> held_;  // components with a hold, ascending
     SparseMatrix L_;
     Eigen::VectorXd M_;
     Eigen::VectorXd component_mass_;
     GroundedInverse inverse_;
-    std::vector<Row> rows_;      // means of all holds, then turns
+    std::vector<Row> rows_;      // means of all holds, then vertices, then turns
     Eigen::MatrixXcd response_;  // of row i to a unit multiplier on row j
     Eigen::VectorXd scale_;  // brings the saddle system's rows to similar size; one a row, then one a held component
     std::vector<int> mean_rows_;  // 0, 1, ... : the rows of a pose without angles

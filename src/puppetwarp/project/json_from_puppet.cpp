@@ -113,6 +113,15 @@ Json handle_json(const Handle& handle, const Json* old) {
     return json;
 }
 
+struct StiffnessWriter {
+    Json operator()(const StiffnessRegion& region) const {
+        return {{"points", points(region.points)}, {"value", number(region.value)}};
+    }
+    Json operator()(const StiffnessPicture& picture) const {
+        return {{"image", picture.path}, {"max", number(picture.max)}};
+    }
+};
+
 Json method_json(const MethodOptions& method, const Json* old) {
     const MethodOptions usual;
     Json json{{"name", method_name(method.method)}};
@@ -168,11 +177,10 @@ Json json_from_puppet(const Puppet& puppet) {
         json["handles"].push_back(handle_json(handle, element(member(&source, "handles"), "id", handle.id)));
     }
     for (std::size_t i = 0; i < puppet.rig.stiffness.size(); ++i) {
-        const StiffnessRegion& region = puppet.rig.stiffness[i];
-        json["stiffness"].push_back({{"points", points(region.points)}, {"value", number(region.value)}});
+        json["stiffness"].push_back(std::visit(StiffnessWriter(), puppet.rig.stiffness[i]));
         const Json* old = member(&source, "stiffness");
         keep_unknown(json["stiffness"].back(), old && old->is_array() && i < old->size() ? &(*old)[i] : nullptr,
-                     {"points", "value"});
+                     {"points", "value", "image", "max"});
     }
     json["method"] = method_json(puppet.method, member(&source, "method"));
     json["poses"] = Json::array();

@@ -70,11 +70,11 @@ Handle read_handle(const JsonReader& json) {
     return handle;
 }
 
-StiffnessRegion read_stiffness(const JsonReader& json) {
+Stiffness read_stiffness(const JsonReader& json) {
     if (const auto image = json.find("image")) {
         image->fail("is not supported by this version", "use `points` and `value`");
     }
-    return {json.at("points").points(3), json.at("value").positive()};
+    return StiffnessRegion{json.at("points").points(3), json.at("value").positive()};
 }
 
 MethodOptions read_method(const JsonReader& json) {

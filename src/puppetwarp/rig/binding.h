@@ -53,21 +53,35 @@ struct HeldVertex {
     int vertex = 0;
 };
 
-//! How a rig takes hold of a mesh.
+//! Two handles in one place, which they must send to one.
+struct Meeting {
+    int first = 0;  //!< index in Rig::handles
+    int second = 0;
+    std::complex<double> first_place;  //!< of each, at rest
+    std::complex<double> second_place;
+    double near_px = 0;   //!< their moves may differ by this
+    bool vertex = false;  //!< whether what they share is a vertex that both hold
+    int hold = -1;        //!< the one Hold of two points in the same place, which moves as both say; else -1
+};
+
+//! How a rig takes hold of a mesh. Nothing is held twice in the same way: what a handle shares with an earlier one is
+//! the earlier one's alone, and a Meeting.
 struct Binding {
     std::vector<Hold> holds;           //!< in the order of the handles
     std::vector<HeldVertex> vertices;  //!< ascending, each vertex once
-    std::vector<bool> loose;           //!< #V: whether a vertex is of a component that no handle holds; these stay
+    std::vector<Meeting> meetings;
+    std::vector<bool> loose;  //!< #V: whether a vertex is of a component that no handle holds; these stay
     std::vector<std::string> warnings;
 };
 
 //! Where one hold goes.
 struct HoldTarget {
-    std::complex<double> move;                  //!< by which its mean is displaced
-    std::optional<double> rotate_rad;           //!< of its turn; none: free
-    std::optional<double> scale;                //!< of its turn; none: free where the method can, else 1
-    std::optional<std::complex<double>> shear;  //!< of an affine map: the value of `shear`; then angle and scale are set
-    std::optional<double> turn_rad;             //!< how far the free angle turned on its way, whole turns counted
+    std::complex<double> move;         //!< by which its mean is displaced
+    std::optional<double> rotate_rad;  //!< of its turn; none: free
+    std::optional<double> scale;       //!< of its turn; none: free where the method can, else 1
+    std::optional<std::complex<double>>
+        shear;                       //!< of an affine map: the value of `shear`; then angle and scale are set
+    std::optional<double> turn_rad;  //!< how far the free angle turned on its way, whole turns counted
 };
 
 //! Where everything that is held goes.
@@ -80,20 +94,21 @@ struct Targets {
 //! Takes hold of a mesh with points, bones, regions and vertices. A point holds the vertices of its disc that are
 //! connected to it inside the disc, weighted by area times (1 - (d / r)^2)^2 and tilted so that their mean is the point
 //! itself where the outline leaves enough of the disc; a disc that is too small for the mesh falls back to
-//! the triangle below the point. A bone holds such discs along itself, not more than a radius apart. A region holds the
-//! vertices inside.
+//! the triangle below the point. A bone holds such discs along itself, not more than a radius apart, where there is a
+//! subject between its ends. A region holds the vertices inside.
 //! \param user  who asks, for messages: a method's name.
-//! \throw InvalidInput  no handles, a cage, a point or bone outside the mesh, an index out of range, a region without a
-//!        vertex inside, a vertex that two handles hold.
+//! \throw InvalidInput  no handles, a cage, a point or a bone's end outside the mesh, an index out of range, a region
+//!        without a vertex inside.
 Binding take_hold(const TriangleMesh& mesh, const Rig& rig, std::string_view user);
 
 //! Whether a method can move a handle by any affine map.
 enum class AffineUse { yes, no };
 
-//! Targets of all that is held; a handle that the pose does not name stays.
-//! \param mesh    that `binding` was made of.
-//! \throw InvalidInput  `require_sound(pose, rig)`; an affine map for who has no use for it; two handles in one place
-//!        that are sent to different ones; a target too far away.
+//! Targets of all that is held; a handle that the pose does not name stays, a bone with its parent. A point moves the
+//! mean of its disc by `to - at`; by an affine map, and along bones, the mean goes where the map takes it. A region
+//! turns and scales about its centroid, which goes to `to`. \param mesh    that `binding` was made of. \throw
+//! InvalidInput  `require_sound(pose, rig)`; a point's affine map for who has no use for it; two handles in one
+//!        place, or on one vertex, that are sent to different ones; a target too far away.
 Targets resolve(const Binding& binding, const TriangleMesh& mesh, const Rig& rig, const Pose& pose, AffineUse affine,
                 std::string_view user);
 

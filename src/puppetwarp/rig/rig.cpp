@@ -76,6 +76,19 @@ struct ShapeCheck {
     }
 };
 
+struct StiffnessCheck {
+    std::string subject;
+
+    void operator()(const StiffnessRegion& region) const {
+        require_polygon(subject, region.points);
+        require_positive(subject, "value", region.value);
+    }
+    void operator()(const StiffnessPicture& picture) const {
+        if (picture.path.empty() && picture.grey.empty()) throw InvalidInput(subject, "it names no picture");
+        require_positive(subject, "max", picture.max);
+    }
+};
+
 const BoneHandle* bone_of(const Handle* handle) {
     return handle == nullptr ? nullptr : std::get_if<BoneHandle>(&handle->shape);
 }
@@ -145,9 +158,7 @@ void require_sound(const Rig& rig) {
     }
     for (const Handle& handle : rig.handles) require_parents(rig, handle);
     for (std::size_t i = 0; i < rig.stiffness.size(); ++i) {
-        const std::string subject = "stiffness " + std::to_string(i);
-        require_polygon(subject, rig.stiffness[i].points);
-        require_positive(subject, "value", rig.stiffness[i].value);
+        std::visit(StiffnessCheck{"stiffness " + std::to_string(i)}, rig.stiffness[i]);
     }
 }
 

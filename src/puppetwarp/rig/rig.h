@@ -62,10 +62,10 @@ struct StiffnessRegion {
 
 //! A grey picture over the source image: black multiplies first-order energies by 1, white by `max`, grey between.
 struct StiffnessPicture {
-    std::string path;  //!< relative to the puppet file
-    double max = 1;    //!< above 0
-    cv::Mat grey;      //!< CV_32FC1 in [0, 1], stretched over the source image; empty until it is loaded
-    double width_px = 0;   //!< of the source image
+    std::string path;     //!< relative to the puppet file
+    double max = 1;       //!< above 0
+    cv::Mat grey;         //!< CV_32FC1 in [0, 1], stretched over the source image; empty until it is loaded
+    double width_px = 0;  //!< of the source image
     double height_px = 0;
 };
 

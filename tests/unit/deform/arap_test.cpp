@@ -226,7 +226,7 @@ TEST(Arap, StiffRegionsKeepTheirShapeBetter) {
         return sum;
     };
     const double soft = left_distortion();
-    rig.stiffness.push_back({{{-1, -1}, {140, -1}, {140, 31}, {-1, 31}}, 50});
+    rig.stiffness.push_back(StiffnessRegion{{{-1, -1}, {140, -1}, {140, 31}, {-1, 31}}, 50});
     EXPECT_LT(left_distortion(), 0.8 * soft);
 }
 

@@ -74,9 +74,7 @@ TEST_P(EveryMethod, RestStaysAtRest) {
 }
 
 TEST_P(EveryMethod, MovingAllHandlesMovesEverything) {
-    // With a second part that no handle holds.
-    const TriangleMesh mesh =
-        reference::joined(reference::figure(500, 14), reference::grid(4, 4, 60, 60, 0.2), Point(520, 100));
+    const TriangleMesh mesh = reference::figure(500, 14);
     const Rig rig = figure_rig(500);
     Pose pose;
     for (const Handle& handle : rig.handles) {
@@ -85,6 +83,24 @@ TEST_P(EveryMethod, MovingAllHandlesMovesEverything) {
     const Deformation result = deformed(mesh, rig, pose);
     const Eigen::MatrixX2d expected = mesh.V.rowwise() + Eigen::RowVector2d(211.5, -37.25);
     EXPECT_LT((result.V - expected).cwiseAbs().maxCoeff(), 1e-12 * 800);
+}
+
+TEST_P(EveryMethod, APartWithoutHandlesStaysAndIsNamed) {
+    const TriangleMesh figure = reference::figure(500, 14);
+    const TriangleMesh mesh = reference::joined(figure, reference::grid(4, 4, 60, 60), Point(520, 100));
+    const Deformation alone = deformed(figure, figure_rig(500), figure_pose(500));
+    EXPECT_TRUE(alone.warnings.empty());
+    Progress progress;
+    const auto shared = deformer(mesh, figure_rig(500));
+    const Deformation first = shared->deform(figure_pose(500), nullptr, progress);
+    // A start that has it elsewhere does not lead it astray.
+    const Eigen::MatrixX2d astray = first.V.array() + 7;
+    for (const Deformation& result : {first, shared->deform(figure_pose(500), &astray, progress)}) {
+        const Eigen::Index loose = mesh.V.rows() - figure.V.rows();
+        EXPECT_EQ(result.V.bottomRows(loose), mesh.V.bottomRows(loose));
+        ASSERT_EQ(result.warnings.size(), 1u);
+        EXPECT_THAT(result.warnings[0], AllOf(HasSubstr("no handle"), HasSubstr("(550, 130)")));
+    }
 }
 
 TEST_P(EveryMethod, MeetsItsHandles) {
@@ -199,7 +215,7 @@ TEST_P(EveryMethod, CanBeCancelled) {
     EXPECT_THROW(deformer(mesh, figure_rig(500))->deform(figure_pose(500), nullptr, progress), Cancelled);
 }
 
-TEST_P(EveryMethod, AVertexOfNoTriangleFollowsOrIsHeld) {
+TEST_P(EveryMethod, AVertexOfNoTriangleStaysOrIsHeld) {
     TriangleMesh mesh = reference::grid(6, 6, 60, 60, 0.2);
     mesh.V.conservativeResize(mesh.V.rows() + 2, 2);
     mesh.V.bottomRows(2) << 80, 80, 90, 10;
@@ -209,8 +225,11 @@ TEST_P(EveryMethod, AVertexOfNoTriangleFollowsOrIsHeld) {
     for (const char* id : {"p0", "p1"})
         pose.handles[id].to = std::get<PointHandle>(find_handle(rig, id)->shape).at + Point(5, 6);
     pose.handles["lone"].to = Point(95, 16);
-    const Eigen::MatrixX2d V = deformed(mesh, rig, pose).V;
-    EXPECT_LT((V - (mesh.V.rowwise() + Eigen::RowVector2d(5, 6))).cwiseAbs().maxCoeff(), 1e-9);
+    const Deformation result = deformed(mesh, rig, pose);
+    Eigen::MatrixX2d expected = mesh.V.rowwise() + Eigen::RowVector2d(5, 6);
+    expected.row(mesh.V.rows() - 2) = mesh.V.row(mesh.V.rows() - 2);
+    EXPECT_LT((result.V - expected).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_TRUE(result.warnings.empty());  // it shows nothing
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod,

@@ -137,7 +137,7 @@ TEST(Harmonic, StiffRegionsMoveLess) {
         return (result.V(b, 0) - result.V(a, 0)) / 30 - 1;
     };
     const double soft = stretch_of_left_half();
-    rig.stiffness.push_back({{{-1, -1}, {50, -1}, {50, 11}, {-1, 11}}, 20});
+    rig.stiffness.push_back(StiffnessRegion{{{-1, -1}, {50, -1}, {50, 11}, {-1, 11}}, 20});
     const double stiff = stretch_of_left_half();
     EXPECT_GT(soft, 0.1);
     EXPECT_GT(stiff, 0);

@@ -140,7 +140,7 @@ TEST(Puppet, EveryFieldIsRead) {
     EXPECT_EQ(std::get<PointHandle>(puppet.rig.handles[0].shape).radius_px, 9.5);
     EXPECT_EQ(std::get<BoneHandle>(puppet.rig.handles[2].shape).parent, "spine");
     EXPECT_EQ(std::get<VertexHandle>(puppet.rig.handles[5].shape).index, 7);
-    EXPECT_EQ(puppet.rig.stiffness.at(0).value, 8);
+    EXPECT_EQ(std::get<StiffnessRegion>(puppet.rig.stiffness.at(0)).value, 8);
     EXPECT_EQ(puppet.method.arap_energy, ArapEnergy::spokes_and_rims);
     EXPECT_EQ(puppet.method.max_iterations, 50);
     const HandlePose& hand = puppet.poses.at(0).handles.at("hand");

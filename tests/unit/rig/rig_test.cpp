@@ -30,7 +30,7 @@ Rig rich_rig() {
     rig.handles.push_back({"hull", CageHandle{{{0, 0}, {9, 0}, {9, 9}}}});
     rig.handles.push_back({"torso", RegionHandle{{{1, 1}, {2, 1}, {2, 2}}}});
     rig.handles.push_back({"v7", VertexHandle{7}});
-    rig.stiffness.push_back({{{0, 0}, {1, 0}, {1, 1}}, 8});
+    rig.stiffness.push_back(StiffnessRegion{{{0, 0}, {1, 0}, {1, 1}}, 8});
     return rig;
 }
 
@@ -79,7 +79,7 @@ TEST(Rig, NamesTheHandleAndTheField) {
                 HasSubstr("loop"));
     EXPECT_THAT(rig_message([](Rig& r) { std::get<CageHandle>(r.handles[3].shape).points.pop_back(); }),
                 AllOf(HasSubstr("'hull'"), HasSubstr("points")));
-    EXPECT_THAT(rig_message([](Rig& r) { r.stiffness[0].value = 0; }),
+    EXPECT_THAT(rig_message([](Rig& r) { std::get<StiffnessRegion>(r.stiffness[0]).value = 0; }),
                 AllOf(HasSubstr("stiffness 0"), HasSubstr("value")));
 }
 

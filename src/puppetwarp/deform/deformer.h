@@ -80,6 +80,13 @@ public:
     //!        one place are sent to different ones.
     //! \throw Cancelled
     virtual Deformation deform(const Pose& pose, const Eigen::MatrixX2d* start, Progress& progress) const = 0;
+
+    //! The same method on the same mesh for another rig, quicker than anew: it shares what does not change, such as
+    //! factors and the responses to handles that stay. For handles added or removed while a person works. Both remain
+    //! usable, and independent of each other's lifetime.
+    //! \return null where nothing can be shared: `make_deformer` then.
+    //! \throw InvalidInput  as `make_deformer`.
+    virtual std::unique_ptr<Deformer> with_rig(const Rig& rig) const;
 };
 
 //! Prepares a method: operators, binding of the handles, factorisations.

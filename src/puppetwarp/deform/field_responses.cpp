@@ -84,8 +84,8 @@ FieldResponses::FieldResponses(const FieldInverse& inverse, const Eigen::VectorX
 ResponseSystem::Compliance FieldResponses::compliance() const {
     const auto m = static_cast<Eigen::Index>(responses_.size());
     const Eigen::Index g = 2 * gradients_;
-    ResponseSystem::Compliance result{Eigen::MatrixXd(m, m), Eigen::MatrixXd(g, m), Eigen::MatrixXd(g, g), {},
-                                      constants_};
+    ResponseSystem::Compliance result{
+        Eigen::MatrixXd(m, m), Eigen::MatrixXd(g, m), Eigen::MatrixXd(g, g), {}, constants_};
     for (Eigen::Index i = 0; i < m; ++i) {
         const Response& a = responses_[static_cast<std::size_t>(i)];
         result.constant_of.push_back(a.constant);

@@ -44,8 +44,8 @@ private:
     struct Response {
         std::vector<RealRow> rows;
         double radius_px = 1;
-        int constant = -1;       // number of the component's constant, where no vertex of it is held
-        int gradient = -1;       // number among the holds with gradient rows
+        int constant = -1;  // number of the component's constant, where no vertex of it is held
+        int gradient = -1;  // number among the holds with gradient rows
         std::shared_ptr<const Eigen::MatrixXd> fields;  // #V x #rows
 
         std::complex<double> turn(const Eigen::VectorXcd& u) const;

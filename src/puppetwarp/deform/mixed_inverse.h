@@ -33,7 +33,7 @@ private:
     double load_scale_ = 1;   // of the equations of u
     double first_order_ = 0;  // weight of K_ in them
     SparseMatrix K_;
-    Eigen::VectorXd moving_;  // 0 where u is given or grounded, else 1
+    Eigen::VectorXd moving_;   // 0 where u is given or grounded, else 1
     std::vector<bool> whole_;  // whether the vertex's component has no held vertex
     ComponentMeans means_;
     std::optional<BlockLdlt> factor_;

@@ -22,7 +22,8 @@ void settle_directions(const Eigen::MatrixXcd& stiffness, std::vector<GradientGo
     Eigen::VectorXcd change(static_cast<Eigen::Index>(goals.size()));
     for (std::size_t i = 0; i < goals.size(); ++i) {
         GradientGoal& goal = goals[i];
-        if (goal.scale > 0) goal.wanted = std::abs(goal.now) > 0 ? goal.now / std::abs(goal.now) * goal.scale : goal.scale;
+        if (goal.scale > 0)
+            goal.wanted = std::abs(goal.now) > 0 ? goal.now / std::abs(goal.now) * goal.scale : goal.scale;
         change(static_cast<Eigen::Index>(i)) = goal.wanted - goal.now;
     }
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
@@ -31,7 +32,7 @@ void settle_directions(const Eigen::MatrixXcd& stiffness, std::vector<GradientGo
             GradientGoal& goal = goals[i];
             if (!(goal.scale > 0)) continue;
             const auto row = static_cast<Eigen::Index>(i);
-            const std::complex<double> pull = stiffness(row, row) * goal.wanted - stiffness.row(row) * change;
+            const std::complex<double> pull = stiffness(row, row) * goal.wanted - (stiffness.row(row) * change).value();
             if (!(std::abs(pull) > 0)) continue;
             const std::complex<double> next = pull / std::abs(pull) * goal.scale;
             moved = std::max(moved, std::abs(next - goal.wanted) / goal.scale);

@@ -38,8 +38,8 @@ public:
         Eigen::VectorXcd gradients;
         Eigen::VectorXcd constants;
     };
-    //! Multipliers of the field of least energy whose means are `means` and that meets the goals; of rows that depend on
-    //! each other as few as can be. Directions that are free become those of least energy: each has a closed form
+    //! Multipliers of the field of least energy whose means are `means` and that meets the goals; of rows that depend
+    //! on each other as few as can be. Directions that are free become those of least energy: each has a closed form
     //! when the others are given, and these are taken in turns until they settle.
     Multipliers solve(const Eigen::VectorXcd& means, std::vector<GradientGoal>& goals) const;
 
@@ -52,10 +52,10 @@ private:
     Eigen::MatrixXcd goal_compliance(const std::vector<GradientGoal>& goals) const;
 
     Compliance compliance_;
-    Eigen::VectorXd scale_;         // #holds + #constants: brings the rows to similar size
-    Solver means_solver_;           // of the means alone
-    Eigen::MatrixXd undone_;        // multipliers of means and constants that answer each gradient row's effect on means
-    Eigen::MatrixXd constrained_;   // compliance of the gradient rows while the means are held
+    Eigen::VectorXd scale_;        // #holds + #constants: brings the rows to similar size
+    Solver means_solver_;          // of the means alone
+    Eigen::MatrixXd undone_;       // multipliers of means and constants that answer each gradient row's effect on means
+    Eigen::MatrixXd constrained_;  // compliance of the gradient rows while the means are held
 };
 
 }  // namespace puppetwarp

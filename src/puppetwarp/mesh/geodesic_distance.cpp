@@ -1,5 +1,7 @@
 #include <puppetwarp/mesh/geodesic_distance.h>
 
+#include <puppetwarp/base/point.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>

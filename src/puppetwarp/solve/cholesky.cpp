@@ -117,7 +117,8 @@ void substitute(const cholmod_factor& L, const Read& read, const Write& write) {
 template <typename T>
 void substitute(const cholmod_factor& L, Eigen::Matrix<T, Eigen::Dynamic, 1>& b) {
     assert(b.size() == static_cast<Eigen::Index>(L.n));
-    substitute<T>(L, [&](int row) { return b(row); }, [&](int row, const T& value) { b(row) = value; });
+    substitute<T>(
+        L, [&](int row) { return b(row); }, [&](int row, const T& value) { b(row) = value; });
 }
 
 // Columns first, first + 1, ... of B, at most four.

@@ -2,6 +2,7 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/deform/falloff.h>
+#include <puppetwarp/rig/disc_holder.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,9 +17,9 @@ using Complex = std::complex<double>;
 // Handles whose targets are missed by more than this share of the subject's size contradict each other.
 constexpr double contradiction = 1e-6;
 
-std::vector<bool> held_mask(const Binding& binding) {
-    std::vector<bool> held(binding.loose.size());
-    for (const HeldVertex& each : binding.vertices) held[static_cast<std::size_t>(each.vertex)] = true;
+std::vector<bool> held_mask(const HeldVertices& vertices, Eigen::Index count) {
+    std::vector<bool> held(static_cast<std::size_t>(count));
+    for (const HeldVertex& each : vertices.vertices) held[static_cast<std::size_t>(each.vertex)] = true;
     return held;
 }
 
@@ -76,21 +77,26 @@ std::vector<FieldGoal> goals_of(const Targets& targets) {
 }  // namespace
 
 struct DisplacementField::Prepared {
-    Prepared(Method method_, const EnergyOf& energy_of, const TriangleMesh& mesh_, const Rig& rig,
-             const Binding& binding)
+    Prepared(Method method_, const EnergyOf& energy_of, const TriangleMesh& mesh_, const Rig& rig)
         : method(method_),
           mesh(mesh_),
+          discs(mesh),
+          vertices(held_vertices(rig, bind(rig))),
           rest(complex_positions(mesh.V)),
           size(bounding_diagonal(mesh.V)),
           component(vertex_components(mesh)),
           stiffness(triangle_stiffness(mesh, rig.stiffness)),
-          held(held_mask(binding)),
+          held(held_mask(vertices, mesh.V.rows())),
           energy(energy_of(mesh, stiffness)),
           inverse(make_field_inverse(energy, component, held)),
-          held_field(inverse, rest, held_vertices(rig, binding)) {}
+          held_field(inverse, rest, vertices) {}
+
+    Binding bind(const Rig& rig) const { return take_hold(discs, mesh, rig, method_name(method)); }
 
     Method method;
     TriangleMesh mesh;
+    DiscHolder discs;
+    HeldVertices vertices;
     Eigen::VectorXcd rest;
     double size;
     Eigen::VectorXi component;
@@ -102,17 +108,13 @@ struct DisplacementField::Prepared {
 };
 
 DisplacementField::DisplacementField(Method method, const EnergyOf& energy, const TriangleMesh& mesh, const Rig& rig)
-    : DisplacementField(method, energy, mesh, rig, take_hold(mesh, rig, method_name(method))) {}
+    : DisplacementField(std::make_shared<const Prepared>(method, energy, mesh, rig), rig, nullptr) {}
 
-DisplacementField::DisplacementField(Method method, const EnergyOf& energy, const TriangleMesh& mesh, const Rig& rig,
-                                     const Binding& binding)
-    : DisplacementField(std::make_shared<const Prepared>(method, energy, mesh, rig, binding), rig, binding, nullptr) {}
-
-DisplacementField::DisplacementField(std::shared_ptr<const Prepared> prepared, const Rig& rig, Binding binding,
+DisplacementField::DisplacementField(std::shared_ptr<const Prepared> prepared, const Rig& rig,
                                      const DisplacementField* known)
     : prepared_(std::move(prepared)),
       rig_(rig),
-      binding_(std::move(binding)),
+      binding_(prepared_->bind(rig)),
       held_handles_(held_vertices(rig_, binding_).handles),
       falloff_handles_(falloff_handles(rig_)),
       falloff_(falloff_weights(prepared_->mesh, rig_, binding_, prepared_->stiffness)),
@@ -121,11 +123,15 @@ DisplacementField::DisplacementField(std::shared_ptr<const Prepared> prepared, c
 
 std::unique_ptr<Deformer> DisplacementField::with_rig(const Rig& rig) const {
     require_sound(rig);
-    Binding binding = take_hold(prepared_->mesh, rig, method_name(prepared_->method));
-    if (!same_vertices(held_vertices(rig, binding), held_vertices(rig_, binding_))) return nullptr;
     const Eigen::VectorXd stiffness = triangle_stiffness(prepared_->mesh, rig.stiffness);
     if (stiffness.size() != prepared_->stiffness.size() || stiffness != prepared_->stiffness) return nullptr;
-    return std::unique_ptr<Deformer>(new DisplacementField(prepared_, rig, std::move(binding), this));
+    const bool hold_vertices = std::any_of(rig.handles.begin(), rig.handles.end(), [](const Handle& handle) {
+        return std::holds_alternative<RegionHandle>(handle.shape) || std::holds_alternative<VertexHandle>(handle.shape);
+    });
+    if (hold_vertices || !prepared_->vertices.vertices.empty()) {
+        if (!same_vertices(held_vertices(rig, prepared_->bind(rig)), prepared_->vertices)) return nullptr;
+    }
+    return std::unique_ptr<Deformer>(new DisplacementField(prepared_, rig, this));
 }
 
 // By the regions with a falloff alone. #V

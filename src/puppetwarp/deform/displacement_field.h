@@ -35,10 +35,7 @@ private:
     // What depends on the mesh, the stiffness and the held vertices alone.
     struct Prepared;
 
-    DisplacementField(Method method, const EnergyOf& energy, const TriangleMesh& mesh, const Rig& rig,
-                      const Binding& binding);
-    DisplacementField(std::shared_ptr<const Prepared> prepared, const Rig& rig, Binding binding,
-                      const DisplacementField* known);
+    DisplacementField(std::shared_ptr<const Prepared> prepared, const Rig& rig, const DisplacementField* known);
     Eigen::VectorXcd falloff_displacement(const Targets& targets) const;
     std::complex<double> common_move(const Targets& targets) const;
 

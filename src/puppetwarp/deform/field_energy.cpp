@@ -9,7 +9,7 @@ double FieldEnergy::operator()(const Eigen::VectorXcd& u) const {
     for (int i = 0; i < order / 2; ++i) power = inverse_M.cwiseProduct(L * power).eval();
     double energy = order % 2 == 1 ? power.dot(L * power).real() : power.dot(M.cwiseProduct(power)).real();
     energy *= weight;
-    if (first_order > 0) energy += first_order * u.dot(K * u).real();
+    if (first_order > 0) energy += first_order * u.dot((K.size() > 0 ? K : L) * u).real();
     return energy;
 }
 

@@ -18,7 +18,7 @@ struct FieldEnergy {
     SparseMatrix L;          //!< #V x #V
     Eigen::VectorXd M;       //!< #V areas; 0 at a vertex of no triangle
     double first_order = 0;  //!< above 0 only with order 2
-    SparseMatrix K;          //!< #V x #V; empty without a first-order part
+    SparseMatrix K;          //!< #V x #V; empty: L
 
     //! The energy of a displacement. #V
     double operator()(const Eigen::VectorXcd& u) const;

@@ -1,5 +1,6 @@
 #include <puppetwarp/deform/field_inverse.h>
 
+#include <puppetwarp/base/errors.h>
 #include <puppetwarp/deform/mixed_inverse.h>
 #include <puppetwarp/solve/grounded_inverse.h>
 
@@ -46,12 +47,60 @@ private:
     GroundedInverse inverse_;
 };
 
+// The same for first_order L + weight L M^-1 L, which is L M^-1 (first_order M + weight L).
+class ShellInverse final : public FieldInverse {
+public:
+    ShellInverse(const FieldEnergy& energy, const Eigen::VectorXi& component)
+        : M_(energy.M), means_(component, energy.M), inverse_(energy.L, component), shift_(shifted_factor(energy)) {}
+
+    Eigen::Index vertices() const override { return M_.size(); }
+
+    Eigen::MatrixXd respond(const Eigen::MatrixXd& loads) const override {
+        Eigen::MatrixXd x = loads;
+        means_.remove_from_loads(x);
+        x = inverse_ * x;
+        means_.remove(x);
+        x = M_.asDiagonal() * x;
+        shift_.solve_in_place(x);
+        means_.remove(x);
+        return x;
+    }
+
+    Eigen::MatrixXd extend(const Eigen::MatrixXd& values) const override {
+        return Eigen::MatrixXd::Zero(values.rows(), values.cols());
+    }
+
+private:
+    static CholeskyFactor shifted_factor(const FieldEnergy& energy) {
+        SparseMatrix diagonal(energy.L.rows(), energy.L.cols());
+        diagonal.setIdentity();
+        // A vertex of no triangle has no mass; its displacement is 0.
+        for (Eigen::Index v = 0; v < energy.M.size(); ++v) {
+            diagonal.coeffRef(v, v) = energy.M(v) > 0 ? energy.first_order * energy.M(v) : 1;
+        }
+        const SparseMatrix sum = energy.weight * energy.L + diagonal;
+        const SparseMatrix lower = sum.triangularView<Eigen::Lower>();
+        std::optional<CholeskyFactor> factor = CholeskyPattern(lower).factorise(lower);
+        if (!factor) {
+            throw InvalidInput("mesh", "its triangles are too thin or too different in size to compute with",
+                               "use a mesh with better triangles");
+        }
+        return std::move(*factor);
+    }
+
+    Eigen::VectorXd M_;
+    ComponentMeans means_;
+    GroundedInverse inverse_;
+    CholeskyFactor shift_;
+};
+
 }  // namespace
 
 std::unique_ptr<FieldInverse> make_field_inverse(const FieldEnergy& energy, const Eigen::VectorXi& component,
                                                  const std::vector<bool>& held) {
     const bool none_held = std::find(held.begin(), held.end(), true) == held.end();
     if (none_held && !(energy.first_order > 0)) return std::make_unique<PowerInverse>(energy, component);
+    if (none_held && energy.K.size() == 0) return std::make_unique<ShellInverse>(energy, component);
     return std::make_unique<MixedInverse>(energy, component, held);
 }
 

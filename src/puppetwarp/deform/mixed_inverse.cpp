@@ -41,7 +41,7 @@ MixedInverse::MixedInverse(const FieldEnergy& energy, const Eigen::VectorXi& com
     load_scale_ = std::pow(s, order_ - 1) / energy.weight;
     if (energy.first_order > 0) {
         first_order_ = energy.first_order * load_scale_;
-        K_ = energy.K;
+        K_ = energy.K.size() > 0 ? energy.K : energy.L;
     }
     int components = 0;
     for (Eigen::Index v = 0; v < n_; ++v) {
@@ -111,8 +111,9 @@ Eigen::MatrixXd MixedInverse::system_times(const Eigen::MatrixXd& w) const {
 
 Eigen::MatrixXd MixedInverse::solve(const Eigen::MatrixXd& right_hand_side) const {
     Eigen::MatrixXd w = factor_->solve(right_hand_side);
-    // A step of refinement squares the relative error; at order 4 on fine meshes the first may be as large as 1e-7.
-    constexpr int most_steps = 3;
+    // Up to order 2 there is nothing to gain. At order 4 on fine meshes the error may be as large as 1e-7 at first; a
+    // step squares it.
+    const int most_steps = order_ > 2 ? 3 : 0;
     for (int step = 0; step < most_steps; ++step) {
         const Eigen::MatrixXd correction = factor_->solve(right_hand_side - system_times(w));
         w += correction;

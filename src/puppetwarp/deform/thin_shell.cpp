@@ -26,7 +26,7 @@ std::unique_ptr<Deformer> make_thin_shell(const MethodOptions& options, const Tr
         energy.M = lumped_mass(on);
         if (bending > 0 && stretching > 0) {
             energy.first_order = stretching;
-            energy.K = cotangent_stiffness(on, stiffness);
+            if (stiffness.size() > 0) energy.K = cotangent_stiffness(on, stiffness);
         }
         return energy;
     };

@@ -43,4 +43,8 @@ private:
     std::vector<std::vector<int>> triangles_at_;
 };
 
+//! `take_hold` for one rig after the other of one mesh.
+//! \param discs  of this mesh.
+Binding take_hold(const DiscHolder& discs, const TriangleMesh& mesh, const Rig& rig, std::string_view user);
+
 }  // namespace puppetwarp

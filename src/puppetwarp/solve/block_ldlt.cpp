@@ -74,7 +74,7 @@ public:
         const std::size_t n = rows.order.size();
         order_ = std::move(rows.order);
         inverse_D_.resize(n);
-        columns_.resize(n);
+        std::vector<std::vector<Entry>> columns(n);  // of L below the diagonal
         std::vector<int> parent(n, -1), mark(n, -1), reach;
         std::vector<Block> y(n, Block::Zero());
         const auto block = [&](int source) {
@@ -93,7 +93,7 @@ public:
             std::sort(reach.begin(), reach.end());
             Block D = block(rows.diagonal[k]);
             for (const int j : reach) {
-                auto& column = columns_[static_cast<std::size_t>(j)];
+                auto& column = columns[static_cast<std::size_t>(j)];
                 const Block yj = std::exchange(y[static_cast<std::size_t>(j)], Block::Zero());
                 for (const auto& [row, l] : column) y[static_cast<std::size_t>(row)].noalias() -= l * yj;
                 const Block l = (inverse_D_[static_cast<std::size_t>(j)] * yj).transpose();
@@ -104,6 +104,7 @@ public:
             inverse_D_[k] = inverse_of(D);
             if (!inverse_D_[k].allFinite()) return false;
         }
+        pack(columns);
         return true;
     }
 
@@ -153,6 +154,20 @@ private:
         }
     }
 
+    // All columns behind each other, as substitution goes through them.
+    void pack(const std::vector<std::vector<Entry>>& columns) {
+        start_.assign(1, 0);
+        for (const auto& column : columns) start_.push_back(start_.back() + column.size());
+        rows_.reserve(start_.back());
+        blocks_.reserve(start_.back());
+        for (const auto& column : columns) {
+            for (const Entry& entry : column) {
+                rows_.push_back(entry.row);
+                blocks_.push_back(entry.l);
+            }
+        }
+    }
+
     template <int C>
     void substitute(const Eigen::MatrixXd& B, Eigen::MatrixXd& X, Eigen::Index first, Eigen::Index count) const {
         using Part = Eigen::Matrix<double, K, C>;
@@ -162,12 +177,14 @@ private:
         for (std::size_t k = 0; k < n; ++k) x[k].leftCols(count) = B.block(place(k), first, K, count);
         for (std::size_t j = 0; j < n; ++j) {
             const Part xj = x[j];
-            for (const Entry& e : columns_[j]) x[static_cast<std::size_t>(e.row)].noalias() -= e.l * xj;
+            for (std::size_t p = start_[j]; p < start_[j + 1]; ++p) {
+                x[static_cast<std::size_t>(rows_[p])].noalias() -= blocks_[p] * xj;
+            }
         }
         for (std::size_t j = n; j-- > 0;) {
             Part sum = inverse_D_[j] * x[j];
-            for (const Entry& e : columns_[j]) {
-                sum.noalias() -= e.l.transpose() * x[static_cast<std::size_t>(e.row)];
+            for (std::size_t p = start_[j]; p < start_[j + 1]; ++p) {
+                sum.noalias() -= blocks_[p].transpose() * x[static_cast<std::size_t>(rows_[p])];
             }
             x[j] = sum;
         }
@@ -176,7 +193,10 @@ private:
 
     std::vector<int> order_;
     std::vector<Block> inverse_D_;
-    std::vector<std::vector<Entry>> columns_;  // of L below the diagonal
+    // L below the diagonal, column by column.
+    std::vector<std::size_t> start_;
+    std::vector<int> rows_;
+    std::vector<Block> blocks_;
 };
 
 template <int K>

@@ -105,9 +105,8 @@ std::unique_ptr<FieldInverse> make_field_inverse(const FieldEnergy& energy, cons
 }
 
 ComponentMeans::ComponentMeans(const Eigen::VectorXi& component, const Eigen::VectorXd& weight)
-    : component_(component), weight_(weight) {
-    const Eigen::Index count = component.size() == 0 ? 0 : component.maxCoeff() + 1;
-    Eigen::VectorXd total = Eigen::VectorXd::Zero(count);
+    : component_(component), count_(component.size() == 0 ? 0 : component.maxCoeff() + 1), weight_(weight) {
+    Eigen::VectorXd total = Eigen::VectorXd::Zero(count_);
     for (Eigen::Index v = 0; v < weight.size(); ++v) total(component(v)) += weight(v);
     for (Eigen::Index v = 0; v < weight.size(); ++v) {
         // A vertex of no triangle is a component of no area.
@@ -116,18 +115,20 @@ ComponentMeans::ComponentMeans(const Eigen::VectorXi& component, const Eigen::Ve
 }
 
 void ComponentMeans::remove(Eigen::MatrixXd& x) const {
-    const Eigen::Index count = component_.size() == 0 ? 0 : component_.maxCoeff() + 1;
     for (Eigen::Index c = 0; c < x.cols(); ++c) {
-        Eigen::VectorXd mean = Eigen::VectorXd::Zero(count);
+        if (count_ == 1) {
+            x.col(c).array() -= weight_.dot(x.col(c));
+            continue;
+        }
+        Eigen::VectorXd mean = Eigen::VectorXd::Zero(count_);
         for (Eigen::Index v = 0; v < x.rows(); ++v) mean(component_(v)) += weight_(v) * x(v, c);
         for (Eigen::Index v = 0; v < x.rows(); ++v) x(v, c) -= mean(component_(v));
     }
 }
 
 void ComponentMeans::remove_from_loads(Eigen::MatrixXd& r) const {
-    const Eigen::Index count = component_.size() == 0 ? 0 : component_.maxCoeff() + 1;
     for (Eigen::Index c = 0; c < r.cols(); ++c) {
-        Eigen::VectorXd sum = Eigen::VectorXd::Zero(count);
+        Eigen::VectorXd sum = Eigen::VectorXd::Zero(count_);
         for (Eigen::Index v = 0; v < r.rows(); ++v) sum(component_(v)) += r(v, c);
         for (Eigen::Index v = 0; v < r.rows(); ++v) r(v, c) -= weight_(v) * sum(component_(v));
     }

@@ -47,6 +47,7 @@ public:
 
 private:
     Eigen::VectorXi component_;
+    Eigen::Index count_;      // of components
     Eigen::VectorXd weight_;  // sums to 1 over each component
 };
 

@@ -118,7 +118,7 @@ DisplacementField::DisplacementField(std::shared_ptr<const Prepared> prepared, c
       held_handles_(held_vertices(rig_, binding_).handles),
       falloff_handles_(falloff_handles(rig_)),
       falloff_(falloff_weights(prepared_->mesh, rig_, binding_, prepared_->stiffness)),
-      responses_(*prepared_->inverse, prepared_->component, prepared_->held, binding_.holds,
+      responses_(prepared_->inverse, prepared_->component, prepared_->held, binding_.holds,
                  known != nullptr ? &known->responses_ : nullptr) {}
 
 std::unique_ptr<Deformer> DisplacementField::with_rig(const Rig& rig) const {

@@ -40,17 +40,37 @@ FieldResponses::Response FieldResponses::rows_of(const Hold& hold) {
     return response;
 }
 
-Eigen::MatrixXd FieldResponses::respond(const FieldInverse& inverse, const std::vector<RealRow>& rows) {
-    Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(inverse.vertices(), static_cast<Eigen::Index>(rows.size()));
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        for (const auto& [vertex, coefficient] : rows[i]) loads(vertex, static_cast<Eigen::Index>(i)) += coefficient;
+// Computes the fields that are missing, all in one go.
+void FieldResponses::respond() {
+    Eigen::Index missing = 0;
+    for (const Response& response : responses_) {
+        if (!response.fields) missing += static_cast<Eigen::Index>(response.rows.size());
     }
-    return inverse.respond(loads);
+    Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(inverse_->vertices(), missing);
+    Eigen::Index column = 0;
+    for (const Response& response : responses_) {
+        if (response.fields) continue;
+        for (const RealRow& row : response.rows) {
+            for (const auto& [vertex, coefficient] : row) loads(vertex, column) += coefficient;
+            ++column;
+        }
+    }
+    if (missing > 0) loads = inverse_->respond(loads);
+    column = 0;
+    for (Response& response : responses_) {
+        if (!response.fields) {
+            const auto count = static_cast<Eigen::Index>(response.rows.size());
+            response.fields = std::make_shared<const Eigen::MatrixXd>(loads.middleCols(column, count));
+            column += count;
+        }
+        response.largest = response.fields->cwiseAbs().colwise().maxCoeff();
+    }
 }
 
-FieldResponses::FieldResponses(const FieldInverse& inverse, const Eigen::VectorXi& component,
+FieldResponses::FieldResponses(std::shared_ptr<const FieldInverse> inverse, const Eigen::VectorXi& component,
                                const std::vector<bool>& held, const std::vector<Hold>& holds,
-                               const FieldResponses* known) {
+                               const FieldResponses* known)
+    : inverse_(std::move(inverse)) {
     const auto n = static_cast<std::size_t>(component.size());
     // -2: nothing asks for the component's constant.
     std::vector<int> constant(n == 0 ? 0 : static_cast<std::size_t>(component.maxCoeff()) + 1, -2);
@@ -71,13 +91,11 @@ FieldResponses::FieldResponses(const FieldInverse& inverse, const Eigen::VectorX
                                            [&](const Response& other) { return other.rows == response.rows; });
             if (same != known->responses_.end()) response.fields = same->fields;
         }
-        if (!response.fields) {
-            response.fields = std::make_shared<const Eigen::MatrixXd>(respond(inverse, response.rows));
-        }
         responses_.push_back(std::move(response));
     }
     constant_of_.resize(n);
     for (std::size_t v = 0; v < n; ++v) constant_of_[v] = std::max(of(v), -1);
+    respond();
     system_.emplace(compliance());
 }
 
@@ -106,8 +124,50 @@ ResponseSystem::Compliance FieldResponses::compliance() const {
     return result;
 }
 
+// Holds that are close together for a smooth energy get large multipliers of alternating signs, whose responses cancel.
+// Then their loads are summed first, and answered by one solve: what cancels does so before any round-off is spread.
+Eigen::MatrixXd FieldResponses::field_of(const ResponseSystem::Multipliers& multipliers, bool small) const {
+    constexpr double much_cancelled = 1e3;
+    Eigen::MatrixXd field = Eigen::MatrixXd::Zero(inverse_->vertices(), 2);
+    double parts = 0;
+    for (std::size_t h = 0; h < responses_.size(); ++h) {
+        const Response& response = responses_[h];
+        const Eigen::MatrixX2d of = multipliers_of(multipliers, h);
+        for (Eigen::Index i = 0; i < of.rows(); ++i) {
+            if (of.row(i).isZero(0)) continue;
+            field.noalias() += response.fields->col(i) * of.row(i);
+            parts += response.largest(i) * of.row(i).norm();
+        }
+    }
+    if (small || parts <= much_cancelled * field.cwiseAbs().maxCoeff()) return field;
+    Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(field.rows(), 2);
+    for (std::size_t h = 0; h < responses_.size(); ++h) {
+        const Eigen::MatrixX2d of = multipliers_of(multipliers, h);
+        for (Eigen::Index i = 0; i < of.rows(); ++i) {
+            for (const auto& [vertex, coefficient] : responses_[h].rows[static_cast<std::size_t>(i)]) {
+                loads.row(vertex) += coefficient * of.row(i);
+            }
+        }
+    }
+    return inverse_->respond(loads);
+}
+
+// Of a hold's rows, (re, im) each.
+Eigen::MatrixX2d FieldResponses::multipliers_of(const ResponseSystem::Multipliers& multipliers,
+                                                std::size_t hold) const {
+    const Response& response = responses_[hold];
+    Eigen::MatrixX2d result(static_cast<Eigen::Index>(response.rows.size()), 2);
+    const Complex mean = multipliers.means(static_cast<Eigen::Index>(hold));
+    result.row(0) << mean.real(), mean.imag();
+    for (Eigen::Index i = 1; i < result.rows(); ++i) {
+        const Complex slope = multipliers.gradients(2 * response.gradient + i - 1);
+        result.row(i) << slope.real(), slope.imag();
+    }
+    return result;
+}
+
 // One pass of `bring_to`; what round-off leaves is left for the next.
-void FieldResponses::correct(std::vector<FieldGoal>& goals, Eigen::VectorXcd& u) const {
+void FieldResponses::correct(std::vector<FieldGoal>& goals, bool again, Eigen::VectorXcd& u) const {
     Eigen::VectorXcd means(static_cast<Eigen::Index>(goals.size()));
     std::vector<GradientGoal> gradients;
     std::vector<std::size_t> hold_of;
@@ -133,18 +193,7 @@ void FieldResponses::correct(std::vector<FieldGoal>& goals, Eigen::VectorXcd& u)
         FieldGoal& goal = goals[hold_of[i]];
         if (gradients[i].scale > 0) goal.turn = gradients[i].wanted / responses_[hold_of[i]].radius_px;
     }
-    Eigen::MatrixX2d sum = Eigen::MatrixX2d::Zero(u.size(), 2);
-    for (std::size_t h = 0; h < responses_.size(); ++h) {
-        const Response& response = responses_[h];
-        const Complex mean = multipliers.means(static_cast<Eigen::Index>(h));
-        sum.noalias() += response.fields->col(0) * Eigen::RowVector2d(mean.real(), mean.imag());
-        if (response.gradient < 0) continue;
-        const Eigen::Vector2cd pair = multipliers.gradients.segment<2>(2 * response.gradient);
-        if (pair.isZero(0)) continue;
-        Eigen::Matrix2d both;
-        both << pair.real(), pair.imag();
-        sum.noalias() += response.fields->rightCols<2>() * both;
-    }
+    const Eigen::MatrixX2d sum = field_of(multipliers, again);
     for (Eigen::Index v = 0; v < u.size(); ++v) {
         u(v) += Complex(sum(v, 0), sum(v, 1));
         const int constant = constant_of_[static_cast<std::size_t>(v)];
@@ -154,8 +203,8 @@ void FieldResponses::correct(std::vector<FieldGoal>& goals, Eigen::VectorXcd& u)
 
 void FieldResponses::bring_to(std::vector<FieldGoal>& goals, Eigen::VectorXcd& u) const {
     if (goals.empty()) return;
-    correct(goals, u);
-    correct(goals, u);
+    correct(goals, false, u);
+    correct(goals, true, u);
 }
 
 double FieldResponses::largest_error(const std::vector<FieldGoal>& goals, const Eigen::VectorXcd& u) const {

@@ -26,8 +26,8 @@ class FieldResponses {
 public:
     //! \param held   #V, vertices whose displacement `inverse` was given.
     //! \param known  of the same inverse for other holds, to take over what is the same; or null.
-    FieldResponses(const FieldInverse& inverse, const Eigen::VectorXi& component, const std::vector<bool>& held,
-                   const std::vector<Hold>& holds, const FieldResponses* known);
+    FieldResponses(std::shared_ptr<const FieldInverse> inverse, const Eigen::VectorXi& component,
+                   const std::vector<bool>& held, const std::vector<Hold>& holds, const FieldResponses* known);
 
     //! Adds to the displacement u (#V) the field of least energy, 0 at held vertices, that brings it to the goals, as
     //! near as these can be met together. A scale alone comes with the turn that costs least.
@@ -47,16 +47,20 @@ private:
         int constant = -1;  // number of the component's constant, where no vertex of it is held
         int gradient = -1;  // number among the holds with gradient rows
         std::shared_ptr<const Eigen::MatrixXd> fields;  // #V x #rows
+        Eigen::RowVectorXd largest;                     // of each field's values, absolute
 
         std::complex<double> turn(const Eigen::VectorXcd& u) const;
         std::complex<double> shear(const Eigen::VectorXcd& u) const;
     };
 
     static Response rows_of(const Hold& hold);
-    static Eigen::MatrixXd respond(const FieldInverse& inverse, const std::vector<RealRow>& rows);
+    void respond();
     ResponseSystem::Compliance compliance() const;
-    void correct(std::vector<FieldGoal>& goals, Eigen::VectorXcd& u) const;
+    Eigen::MatrixXd field_of(const ResponseSystem::Multipliers& multipliers, bool small) const;
+    Eigen::MatrixX2d multipliers_of(const ResponseSystem::Multipliers& multipliers, std::size_t hold) const;
+    void correct(std::vector<FieldGoal>& goals, bool again, Eigen::VectorXcd& u) const;
 
+    std::shared_ptr<const FieldInverse> inverse_;
     std::vector<int> constant_of_;  // #V: number of the component's constant, or -1
     int constants_ = 0;
     int gradients_ = 0;

@@ -110,21 +110,14 @@ public:
 
     Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const override {
         Eigen::MatrixXd X(B.rows(), B.cols());
-        // Several right-hand sides go through the factor together: the time is in fetching it.
-        for (Eigen::Index c = 0; c < B.cols();) {
-            const Eigen::Index left = B.cols() - c;
-            if (left >= 3) {
-                substitute<4>(B, X, c, std::min<Eigen::Index>(left, 4));
-                c += 4;
-            } else {
-                substitute<2>(B, X, c, left);
-                c += 2;
-            }
-        }
+        // Four right-hand sides go through the factor together: the time is in fetching it.
+        for (Eigen::Index c = 0; c < B.cols(); c += width) substitute(B, X, c, std::min(B.cols() - c, width));
         return X;
     }
 
 private:
+    static constexpr Eigen::Index width = 4;
+
     struct Entry {
         int row;
         Block l;
@@ -168,9 +161,8 @@ private:
         }
     }
 
-    template <int C>
     void substitute(const Eigen::MatrixXd& B, Eigen::MatrixXd& X, Eigen::Index first, Eigen::Index count) const {
-        using Part = Eigen::Matrix<double, K, C>;
+        using Part = Eigen::Matrix<double, K, width>;
         const std::size_t n = order_.size();
         std::vector<Part> x(n, Part::Zero());
         const auto place = [&](std::size_t k) { return static_cast<Eigen::Index>(order_[k]) * K; };

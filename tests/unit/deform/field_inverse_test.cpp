@@ -79,8 +79,8 @@ TEST_P(FieldInverseTest, ConstantsOnFineMeshesComeOutConstant) {
     const std::vector<Hold> holds = take_hold(mesh, rig, "test").holds;
     const std::vector<bool> none(static_cast<std::size_t>(mesh.V.rows()));
     const Eigen::VectorXi component = vertex_components(mesh);
-    const auto inverse = make_field_inverse(energy_of(mesh, GetParam()), component, none);
-    const FieldResponses responses(*inverse, component, none, holds, nullptr);
+    const FieldResponses responses(make_field_inverse(energy_of(mesh, GetParam()), component, none), component, none,
+                                   holds, nullptr);
     std::vector<FieldGoal> goals(holds.size());
     for (FieldGoal& goal : goals) goal.mean = 1;
     Eigen::VectorXcd u = Eigen::VectorXcd::Zero(mesh.V.rows());

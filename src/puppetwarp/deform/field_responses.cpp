@@ -127,7 +127,7 @@ ResponseSystem::Compliance FieldResponses::compliance() const {
 // Holds that are close together for a smooth energy get large multipliers of alternating signs, whose responses cancel.
 // Then their loads are summed first, and answered by one solve: what cancels does so before any round-off is spread.
 Eigen::MatrixXd FieldResponses::field_of(const ResponseSystem::Multipliers& multipliers, bool small) const {
-    constexpr double much_cancelled = 1e3;
+    constexpr double much_cancelled = 1e5;
     Eigen::MatrixXd field = Eigen::MatrixXd::Zero(inverse_->vertices(), 2);
     double parts = 0;
     for (std::size_t h = 0; h < responses_.size(); ++h) {

@@ -119,6 +119,23 @@ TEST_P(PolyharmonicTest, IsTheMinimiserADenseSystemFinds) {
     }
 }
 
+// Many discs beside each other pull against each other with large multipliers at the higher orders.
+TEST_P(PolyharmonicTest, BonesKeepTheirDigits) {
+    const TriangleMesh mesh = reference::figure(500, 24);
+    Rig rig = rig_of_points({500 * places::head});
+    rig.handles.push_back({"spine", BoneHandle{500 * places::belly, 500 * places::chest, ""}});
+    rig.handles.push_back({"arm", BoneHandle{500 * places::chest, 500 * places::right_hand, "spine"}});
+    rig.handles.push_back({"leg", BoneHandle{500 * places::belly, 500 * places::left_foot, "spine"}});
+    Pose pose;
+    pose.handles["arm"].rotate_rad = 0.6;
+    pose.handles["leg"].rotate_rad = -0.4;
+    pose.handles["p0"].to = 500 * places::head + Point(10, 5);
+    pose.handles["p0"].rotate_rad = 0.3;
+    const Deformation result = deformed(GetParam(), mesh, rig, pose);
+    const Eigen::MatrixX2d expected = dense_answer(dense_energy(), mesh, rig, pose);
+    EXPECT_LT((result.V - expected).cwiseAbs().maxCoeff(), 1e-9 * bounding_diagonal(mesh.V));
+}
+
 TEST_P(PolyharmonicTest, SolvesEachComponentByItself) {
     const TriangleMesh one = reference::grid(5, 4, 50, 40, 0.25, 3);
     const TriangleMesh two = reference::joined(one, reference::grid(4, 4, 30, 30, 0.25, 4), {70, 0});

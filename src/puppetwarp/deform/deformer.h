@@ -62,7 +62,7 @@ struct Deformation {
     Eigen::MatrixX2d V;  //!< #V x 2 moved positions, image pixels
     int iterations = 0;  //!< 0 for linear methods
     bool converged = true;
-    double energy = 0;                   //!< the method's own energy at V, px^2; of `biharmonic` without unit
+    double energy = 0;  //!< the method's own energy at V, px^2; of a k-harmonic displacement px^(4 - 2 k)
     std::vector<double> energy_history;  //!< from the start to `energy`, never rising
     double max_handle_error_px = 0;      //!< against what each handle constrains
     std::vector<std::string> warnings;   //!< what a person should know of: parts of the mesh that no handle holds

@@ -111,7 +111,7 @@ ResponseSystem::Compliance FieldResponses::compliance() const {
             const Response& b = responses_[static_cast<std::size_t>(j)];
             result.means(i, j) = row_times(a.rows[0], b.fields->col(0));
             for (int p = 0; a.gradient >= 0 && p < 2; ++p) {
-                const RealRow& row = a.rows[static_cast<std::size_t>(1 + p)];
+                const RealRow& row = a.rows[p == 0 ? 1 : 2];
                 result.gradient_means(2 * a.gradient + p, j) = row_times(row, b.fields->col(0));
                 for (int q = 0; b.gradient >= 0 && q < 2; ++q) {
                     result.gradients(2 * a.gradient + p, 2 * b.gradient + q) = row_times(row, b.fields->col(1 + q));

@@ -63,7 +63,8 @@ BlockMatrix MixedInverse::block_matrix() const {
     BlockMatrix A;
     A.size = order_;
     A.pattern = L_.triangularView<Eigen::Lower>();
-    const auto stride = static_cast<std::size_t>(order_ * order_);
+    const auto size = static_cast<std::size_t>(order_);
+    const std::size_t stride = size * size;
     A.blocks.assign(static_cast<std::size_t>(A.pattern.nonZeros()) * stride, 0.0);
     double* block = A.blocks.data();
     for (int column = 0; column < n_; ++column) {

@@ -143,6 +143,23 @@ TEST(Falloff, OtherHandlesGetWhatRemains) {
     }
 }
 
+// A new point is a new place where the weights are 0.
+TEST(Falloff, ARigThatGainsAPointIsTheSameAsAnew) {
+    const TriangleMesh mesh = reference::figure(500, 12);
+    Rig rig;
+    rig.handles.push_back(region("torso", 220, 230, 280, 330, Falloff::geodesic));
+    rig.handles.push_back(region("feet", 100, 440, 400, 500, Falloff::harmonic));
+    const auto first = testing_fields::made(Method::thin_shell, mesh, rig);
+    rig.handles.insert(rig.handles.begin(), {"hand", PointHandle{500 * places::left_hand, {}}});
+    Pose pose;
+    pose.handles["torso"].affine = {0.95, 0.3, -0.3, 0.95, 105, -80};
+    pose.handles["hand"].rotate_rad = 0.3;
+    const auto next = first->with_rig(rig);
+    ASSERT_TRUE(next);
+    Progress progress;
+    EXPECT_EQ(next->deform(pose, nullptr, progress).V, deformed(Method::thin_shell, mesh, rig, pose).V);
+}
+
 TEST(Falloff, ReachesOnlyItsOwnComponentAndFillsItWhenAlone) {
     const TriangleMesh mesh =
         reference::joined(reference::grid(6, 6, 60, 60, 0.2), reference::grid(4, 4, 40, 40), {90, 0});

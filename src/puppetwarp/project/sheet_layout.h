@@ -1,0 +1,47 @@
+#pragma once
+// Private header: where things are on a sheet of equal cells.
+
+#include <opencv2/core/types.hpp>
+
+namespace puppetwarp {
+
+//! What the cells of a sheet hold, px.
+struct SheetContents {
+    int cells = 1;
+    int columns = 0;  //!< 0: as many as make the sheet nearest to 3 wide for 2 high
+    int picture_width = 0;
+    int picture_height = 0;
+    int text_height = 0;    //!< below each picture
+    int header_height = 0;  //!< above all cells
+    int footer_height = 0;  //!< below all cells
+};
+
+//! Cells in rows, from left to right and from above, with their pictures centred in columns that are wide enough for
+//! text also where pictures are narrow.
+class SheetLayout {
+public:
+    static constexpr int margin_px = 20;             //!< around the sheet
+    static constexpr int gap_px = 24;                //!< between cells
+    static constexpr int narrowest_column_px = 216;  //!< room for the words below a picture
+
+    //! \pre cells at least 1, pictures of some size.
+    explicit SheetLayout(const SheetContents& contents);
+
+    int columns() const { return columns_; }
+    int rows() const { return (contents_.cells + columns_ - 1) / columns_; }
+    cv::Size size() const;
+    cv::Rect header() const;
+    cv::Rect footer() const;
+    cv::Rect picture(int cell) const;
+    cv::Rect text(int cell) const;
+
+private:
+    cv::Point corner(int cell) const;
+    int cell_height() const;
+
+    SheetContents contents_;
+    int column_width_;
+    int columns_;
+};
+
+}  // namespace puppetwarp

@@ -27,6 +27,8 @@ constexpr TextStyle legend_text{8, false, {70, 70, 70}};
 constexpr int ramp_height = 14;
 constexpr int widest_legend = 520;
 constexpr int legend_gap = 8;
+constexpr int ramp_gap = 4;
+constexpr int above_legend = 10;
 
 using Colour = std::array<double, 3>;
 
@@ -89,17 +91,19 @@ void draw_ramp(cv::Mat& picture, const cv::Rect& place, double larger, double sm
     cv::rectangle(picture, place, scalar(border_colour), 1);
 }
 
-// Numbers below the ramps, half of them where there is little room.
+// Numbers below the ramps, fewer where there is little room.
 void draw_ticks(cv::Mat& picture, int x, int y, int width) {
-    const int step = width < 160 ? 2 : 1;
-    for (int half_octave = 0; half_octave <= 4; half_octave += step) {
-        const double tick = std::exp2(half_octave / 2.0);
+    int free_from = x - width;
+    for (const double tick : {1.0, 1.2, 1.4, 1.7, darkest_distortion}) {
         char text[16];
-        std::snprintf(text, sizeof text, tick < darkest_distortion ? "%.2g" : "%.2g+", tick);
+        std::snprintf(text, sizeof text, tick < darkest_distortion ? "%g" : "%g+", tick);
+        const int text_px = text_width(text, legend_text);
         const int centre =
             x + static_cast<int>(std::lround((width - 1) * std::log(tick) / std::log(darkest_distortion)));
+        if (centre - text_px / 2 < free_from) continue;
         picture(cv::Rect(centre, y, 1, 4)).setTo(scalar(border_colour));
-        draw_text(picture, text, legend_text, centre - text_width(text, legend_text) / 2, y + 8);
+        draw_text(picture, text, legend_text, centre - text_px / 2, y + 8);
+        free_from = centre + text_px / 2 + legend_gap;
     }
 }
 
@@ -134,7 +138,9 @@ void draw_distortion(cv::Mat& picture, const TriangleMesh& mesh, const Eigen::Ma
 }
 
 int distortion_legend_height() {
-    return 5 * (ramp_height + legend_gap) + 2 * legend_text.line_px();
+    constexpr int ramps = 3;
+    return above_legend + 2 * legend_text.line_px() + ramp_gap + ramps * (ramp_height + ramp_gap) + legend_gap +
+           ramp_height;
 }
 
 void draw_distortion_legend(cv::Mat& picture, int x, int y, int width_px) {
@@ -147,15 +153,16 @@ void draw_distortion_legend(cv::Mat& picture, int x, int y, int width_px) {
     TextStyle title = legend_text;
     title.bold = true;
     const int width = std::min(width_px, widest_legend);
-    draw_text(picture, "distortion: max(s1, 1/s2)", title, x, y);
+    const int top = y + above_legend;
+    draw_text(picture, "distortion: max(s1, 1/s2)", title, x, top);
     const int left = x + text_width("shrinks", legend_text) + 2 * legend_gap;
-    const int ramp_width = x + width - left - text_width("4+", legend_text) / 2;
-    cv::Rect place(left, y + legend_text.line_px() + legend_gap / 2, ramp_width, ramp_height);
+    const int ramp_width = x + width - left - text_width("2+", legend_text) / 2;
+    cv::Rect place(left, top + legend_text.line_px() + ramp_gap, ramp_width, ramp_height);
     for (const Row& row : rows) {
         draw_ramp(picture, place, row.larger, row.smaller, row.meaning, x);
-        place.y += ramp_height + legend_gap / 2;
+        place.y += ramp_height + ramp_gap;
     }
-    draw_ticks(picture, left, place.y - legend_gap / 2, ramp_width);
+    draw_ticks(picture, left, place.y - ramp_gap, ramp_width);
     place.y += legend_text.line_px() + legend_gap;
     place.width = 3 * ramp_height;
     picture(place).setTo(scalar(fold_colour));

@@ -8,7 +8,7 @@
 namespace puppetwarp {
 
 //! Distortions from here on have the darkest colour.
-inline constexpr double darkest_distortion = 4;
+inline constexpr double darkest_distortion = 2;
 
 //! Colour of a triangle's distortion. Its depth is the symmetric measure max(s1, 1 / s2) on a logarithmic scale, from
 //! white at 1 to the darkest at `darkest_distortion`. Its hue is where that comes from: red where the triangle only

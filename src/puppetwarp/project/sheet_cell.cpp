@@ -20,6 +20,8 @@ constexpr int square_px = 8;       // of the chequered ground
 constexpr int light_square = 255;  // its two levels
 constexpr int dark_square = 238;
 
+constexpr int column_gap_px = 6;  // between the two columns of numbers
+
 const TextStyle title_style{10, true, {20, 20, 20}};
 const TextStyle line_style{8.5, false, {70, 70, 70}};
 const TextStyle alarm_style{8.5, true, {200, 0, 30}};
@@ -48,14 +50,9 @@ std::string formatted(const char* format, double value) {
     return text;
 }
 
-std::string timing_line(const RenderReport& report) {
-    double sum = 0;
-    std::string parts;
-    for (const auto& [stage, ms] : report.timings_ms) {
-        sum += ms;
-        parts += (parts.empty() ? "" : " + ") + stage + " " + formatted("%.3g", ms);
-    }
-    return "time " + formatted("%.3g", sum) + " ms (" + parts + ")";
+// Three digits at least, and no exponents but for what is huge.
+std::string readable(double value) {
+    return formatted(value < 100 ? "%.2f" : value < 1e6 ? "%.0f" : "%.3g", value);
 }
 
 // One line, in a smaller size where it is too long, cut off where it still is.
@@ -122,18 +119,22 @@ void write_result(cv::Mat& sheet, const MethodResult& result, bool timings, cons
     if (!result.error.empty()) return;
     const RenderReport& report = result.report;
     const int folds = report.distortion.flipped_triangles;
+    const int left_width = place.width * 56 / 100;  // energies are the longest words
     int y = place.y + title_style.line_px();
-    write_fitting(sheet, "folds " + std::to_string(folds), folds > 0 ? alarm_style : line_style, place.x, y,
-                  place.width / 2);
-    write_fitting(sheet, "stretch " + formatted("%.3g", report.distortion.max_stretch), line_style,
-                  place.x + place.width / 2, y, place.width / 2);
-    y += line_style.line_px();
-    write_fitting(sheet, "energy " + formatted("%.4g", report.energy), line_style, place.x, y, place.width / 2);
-    if (!report.converged) {
-        write_fitting(sheet, "not converged", alarm_style, place.x + place.width / 2, y, place.width / 2);
-    }
-    y += line_style.line_px();
-    if (timings) write_fitting(sheet, timing_line(report), line_style, place.x, y, place.width);
+    const auto write_pair = [&](const std::string& left, bool left_alarms, const std::string& right,
+                                bool right_alarms) {
+        write_fitting(sheet, left, left_alarms ? alarm_style : line_style, place.x, y, left_width - column_gap_px);
+        write_fitting(sheet, right, right_alarms ? alarm_style : line_style, place.x + left_width, y,
+                      place.width - left_width);
+        y += line_style.line_px();
+    };
+    write_pair("folds " + std::to_string(folds), folds > 0, "stretch " + readable(report.distortion.max_stretch),
+               false);
+    write_pair("energy " + formatted("%.4g", report.energy), false, report.converged ? "" : "not converged", true);
+    if (!timings) return;
+    std::vector<std::string> times;
+    for (const auto& [stage, ms] : report.timings_ms) times.push_back(stage + " " + readable(ms) + " ms");
+    write_pair(times.at(0), false, times.at(1), false);
 }
 
 void write_lines(cv::Mat& sheet, const std::string& title, const std::vector<std::string>& lines,

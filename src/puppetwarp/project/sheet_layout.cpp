@@ -28,7 +28,8 @@ SheetLayout::SheetLayout(const SheetContents& contents)
     int chosen = 1;
     for (columns_ = 1; columns_ <= contents.cells; ++columns_) {
         const double ratio = static_cast<double>(size().width) / size().height;
-        const double off = std::abs(std::log(ratio / pleasant_ratio));
+        const double empty = static_cast<double>(columns_ * rows() - contents.cells) / contents.cells;
+        const double off = std::abs(std::log(ratio / pleasant_ratio)) + empty;
         if (off < best) {
             best = off;
             chosen = columns_;

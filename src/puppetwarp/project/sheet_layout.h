@@ -8,7 +8,7 @@ namespace puppetwarp {
 //! What the cells of a sheet hold, px.
 struct SheetContents {
     int cells = 1;
-    int columns = 0;  //!< 0: as many as make the sheet nearest to 3 wide for 2 high
+    int columns = 0;  //!< 0: as many as make the sheet about 3 wide for 2 high with few empty places
     int picture_width = 0;
     int picture_height = 0;
     int text_height = 0;    //!< below each picture

@@ -48,7 +48,7 @@ void require_sound(const MethodSheetOptions& options) {
 }
 
 std::vector<LabelledMethod> chosen_methods(const MethodOptions& options, const std::vector<std::string>& labels) {
-    const std::vector<LabelledMethod> known = labelled_methods(options);
+    std::vector<LabelledMethod> known = labelled_methods(options);
     if (labels.empty()) return known;
     std::string list;
     for (const LabelledMethod& each : known) list += (list.empty() ? "" : ", ") + each.label;

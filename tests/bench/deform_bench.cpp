@@ -86,6 +86,38 @@ void from_rest(benchmark::State& state, Method method) {
     count_vertices(state, mesh);
 }
 
+// One frame of a linear method once it is prepared; `angles` pins have theirs fixed, of the eight.
+void linear_frame(benchmark::State& state, Method method, int angles) {
+    const TriangleMesh mesh = mesh_for(state);
+    const auto deformer = make_deformer(options_of(method), mesh, eight_pins());
+    Pose pose = typical_pose();
+    for (int k = 0; k < angles; ++k) pose.handles[std::string("p").append(std::to_string(k))].rotate_rad = 0.1 * k;
+    Progress progress;
+    for (auto _ : state) benchmark::DoNotOptimize(deformer->deform(pose, nullptr, progress));
+    count_vertices(state, mesh);
+}
+
+// A ninth pin is set, until it can be dragged; with a region where the method has to solve the mixed system.
+void pin_added(benchmark::State& state, Method method, bool with_region) {
+    const TriangleMesh mesh = mesh_for(state);
+    Rig rig = eight_pins();
+    if (with_region) {
+        rig.handles.push_back({"torso", RegionHandle{{{420, 540}, {580, 540}, {580, 620}, {420, 620}}, Falloff::none}});
+    }
+    const auto deformer = make_deformer(options_of(method), mesh, rig);
+    rig.handles.push_back({"new", PointHandle{size_px * Point(0.45, 0.5), {}}});
+    for (auto _ : state) benchmark::DoNotOptimize(deformer->with_rig(rig));
+    count_vertices(state, mesh);
+}
+
+// How much of that is taking hold, which all methods pay.
+void hold_taken(benchmark::State& state) {
+    const TriangleMesh mesh = mesh_for(state);
+    const Rig rig = eight_pins();
+    for (auto _ : state) benchmark::DoNotOptimize(take_hold(mesh, rig, "bench"));
+    count_vertices(state, mesh);
+}
+
 // A pin is dragged on by 5 px.
 void warm_frame(benchmark::State& state) {
     const TriangleMesh mesh = mesh_for(state);
@@ -121,6 +153,35 @@ BENCHMARK(triangular_solve)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 BENCHMARK(factor_laplacian)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(make, harmonic, Method::harmonic)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(make, biharmonic, Method::biharmonic)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(make, triharmonic, Method::triharmonic)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(make, tetraharmonic, Method::tetraharmonic)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(make, thin_shell, Method::thin_shell)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(linear_frame, harmonic, Method::harmonic, 0)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(linear_frame, tetraharmonic, Method::tetraharmonic, 0)
+    ->Arg(5)
+    ->Arg(20)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(linear_frame, tetraharmonic_angles, Method::tetraharmonic, 8)
+    ->Arg(5)
+    ->Arg(20)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(linear_frame, thin_shell_angles, Method::thin_shell, 8)
+    ->Arg(5)
+    ->Arg(20)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(hold_taken)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(pin_added, harmonic, Method::harmonic, false)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(pin_added, biharmonic, Method::biharmonic, false)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(pin_added, triharmonic, Method::triharmonic, false)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(pin_added, tetraharmonic, Method::tetraharmonic, false)
+    ->Arg(5)
+    ->Arg(20)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(pin_added, thin_shell, Method::thin_shell, false)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(pin_added, biharmonic_region, Method::biharmonic, true)
+    ->Arg(5)
+    ->Arg(20)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(make, arap, Method::arap)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(from_rest, harmonic, Method::harmonic)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(from_rest, biharmonic, Method::biharmonic)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);

@@ -62,7 +62,7 @@ struct Deformation {
     Eigen::MatrixX2d V;  //!< #V x 2 moved positions, image pixels
     int iterations = 0;  //!< 0 for linear methods
     bool converged = true;
-    double energy = 0;                   //!< the method's own energy at V, px^2; of `biharmonic` without unit
+    double energy = 0;  //!< the method's own energy at V, px^2; of a k-harmonic displacement px^(4 - 2 k)
     std::vector<double> energy_history;  //!< from the start to `energy`, never rising
     double max_handle_error_px = 0;      //!< against what each handle constrains
     std::vector<std::string> warnings;   //!< what a person should know of: parts of the mesh that no handle holds
@@ -80,6 +80,13 @@ public:
     //!        one place are sent to different ones.
     //! \throw Cancelled
     virtual Deformation deform(const Pose& pose, const Eigen::MatrixX2d* start, Progress& progress) const = 0;
+
+    //! The same method on the same mesh for another rig, quicker than anew: it shares what does not change, such as
+    //! factors and the responses to handles that stay. For handles added or removed while a person works. Both remain
+    //! usable, and independent of each other's lifetime.
+    //! \return null where nothing can be shared: `make_deformer` then.
+    //! \throw InvalidInput  as `make_deformer`.
+    virtual std::unique_ptr<Deformer> with_rig(const Rig& rig) const;
 };
 
 //! Prepares a method: operators, binding of the handles, factorisations.

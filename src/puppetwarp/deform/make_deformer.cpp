@@ -3,11 +3,16 @@
 #include <puppetwarp/base/errors.h>
 
 #include <puppetwarp/deform/polyharmonic.h>
+#include <puppetwarp/deform/thin_shell.h>
 #include <puppetwarp/deform/variational.h>
 
 #include <cmath>
 
 namespace puppetwarp {
+
+std::unique_ptr<Deformer> Deformer::with_rig(const Rig&) const {
+    return nullptr;
+}
 
 std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig) {
     if (!(options.tolerance > 0) || !std::isfinite(options.tolerance)) {
@@ -17,11 +22,14 @@ std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const Tria
     require_sound(mesh, "mesh");
     require_sound(rig);
     switch (options.method) {
-        case Method::harmonic: return std::make_unique<PolyharmonicDeformer>(1, mesh, rig);
-        case Method::biharmonic: return std::make_unique<PolyharmonicDeformer>(2, mesh, rig);
         case Method::arap:
         case Method::smooth_arap:
         case Method::fold_free: return std::make_unique<VariationalDeformer>(options, mesh, rig);
+        case Method::harmonic: return make_polyharmonic(1, mesh, rig);
+        case Method::biharmonic: return make_polyharmonic(2, mesh, rig);
+        case Method::triharmonic: return make_polyharmonic(3, mesh, rig);
+        case Method::tetraharmonic: return make_polyharmonic(4, mesh, rig);
+        case Method::thin_shell: return make_thin_shell(options, mesh, rig);
         default: throw InvalidInput("method '" + method_name(options.method) + "'", "this version does not have it");
     }
 }

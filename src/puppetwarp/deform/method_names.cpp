@@ -17,9 +17,9 @@ struct NamedMethod {
 
 constexpr std::array<NamedMethod, 15> methods{{{Method::harmonic, "harmonic", true},
                                                {Method::biharmonic, "biharmonic", true},
-                                               {Method::triharmonic, "triharmonic", false},
-                                               {Method::tetraharmonic, "tetraharmonic", false},
-                                               {Method::thin_shell, "thin-shell", false},
+                                               {Method::triharmonic, "triharmonic", true},
+                                               {Method::tetraharmonic, "tetraharmonic", true},
+                                               {Method::thin_shell, "thin-shell", true},
                                                {Method::laplacian, "laplacian", false},
                                                {Method::laplacian_rotated, "laplacian-rotated", false},
                                                {Method::laplacian_similarity, "laplacian-similarity", false},

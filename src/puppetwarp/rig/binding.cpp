@@ -53,11 +53,11 @@ private:
 // Takes hold with one handle after the other.
 class Binder {
 public:
-    Binder(const TriangleMesh& mesh, const Rig& rig, std::string_view user)
+    Binder(const DiscHolder& discs, const TriangleMesh& mesh, const Rig& rig, std::string_view user)
         : mesh_(mesh),
           rig_(rig),
           user_(user),
-          discs_(mesh),
+          discs_(discs),
           radius_(default_disc_share * discs_.size()),
           places_(one_place * discs_.size()) {}
 
@@ -87,7 +87,7 @@ private:
     const TriangleMesh& mesh_;
     const Rig& rig_;
     std::string_view user_;
-    DiscHolder discs_;
+    const DiscHolder& discs_;
     double radius_;  // of discs that say none
     PlaceGrid places_;
     int handle_ = 0;  // that takes hold now
@@ -233,8 +233,12 @@ void Binder::find_loose() {
 }  // namespace
 
 Binding take_hold(const TriangleMesh& mesh, const Rig& rig, std::string_view user) {
+    return take_hold(DiscHolder(mesh), mesh, rig, user);
+}
+
+Binding take_hold(const DiscHolder& discs, const TriangleMesh& mesh, const Rig& rig, std::string_view user) {
     if (rig.handles.empty()) throw InvalidInput("rig", "it has no handles", "set at least one");
-    return Binder(mesh, rig, user).binding();
+    return Binder(discs, mesh, rig, user).binding();
 }
 
 void throw_outside(const std::string& id, double distance_px) {

@@ -111,13 +111,12 @@ std::vector<std::pair<int, double>> DiscHolder::triangle_weights(const std::vect
     return weights;
 }
 
-// Weighted mean of f_z = sum over the corners of 1/2 conj(g_k) w_k, or of f_zbar = the same with g_k.
-ComplexRow DiscHolder::derivative(const std::vector<std::pair<int, double>>& weights, bool conjugate) const {
+// Weighted mean of f_z = sum over the corners of 1/2 conj(g_k) w_k.
+ComplexRow DiscHolder::mean_turn(const std::vector<std::pair<int, double>>& weights) const {
     ComplexRow row;
     for (const auto& [t, weight] : weights) {
         for (int k = 0; k < 3; ++k) {
-            const std::complex<double> g = gradients_(t, k);
-            row.emplace_back(mesh_.F(t, k), (conjugate ? g : std::conj(g)) * (0.5 * weight));
+            row.emplace_back(mesh_.F(t, k), std::conj(gradients_(t, k)) * (0.5 * weight));
         }
     }
     std::stable_sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -160,9 +159,10 @@ Hold DiscHolder::hold(const MeshLocation& place, const Point& at, double radius)
             if (weight > 0) hold.mean.emplace_back(mesh_.F(place.triangle, k), weight);
         }
     }
-    const auto weights = triangle_weights(vertices, at, hold.radius_px, place.triangle);
-    hold.turn = derivative(weights, false);
-    hold.shear = derivative(weights, true);
+    hold.turn = mean_turn(triangle_weights(vertices, at, hold.radius_px, place.triangle));
+    // f_zbar is the same with g_k.
+    hold.shear = hold.turn;
+    for (auto& [vertex, coefficient] : hold.shear) coefficient = std::conj(coefficient);
     return hold;
 }
 

@@ -31,7 +31,7 @@ private:
     ComplexRow mean_over_disc(const std::vector<int>& vertices, const Point& centre, double radius) const;
     std::vector<std::pair<int, double>> triangle_weights(const std::vector<int>& vertices, const Point& centre,
                                                          double radius, int triangle) const;
-    ComplexRow derivative(const std::vector<std::pair<int, double>>& weights, bool conjugate) const;
+    ComplexRow mean_turn(const std::vector<std::pair<int, double>>& weights) const;
 
     const TriangleMesh& mesh_;
     MeshLocator locator_;
@@ -42,5 +42,9 @@ private:
     double size_;
     std::vector<std::vector<int>> triangles_at_;
 };
+
+//! `take_hold` for one rig after the other of one mesh.
+//! \param discs  of this mesh.
+Binding take_hold(const DiscHolder& discs, const TriangleMesh& mesh, const Rig& rig, std::string_view user);
 
 }  // namespace puppetwarp

@@ -26,6 +26,8 @@ public:
     void solve_in_place(Eigen::VectorXd& b) const;
     //! The same for a complex right-hand side; A is real, so both parts go through the factor in one pass.
     void solve_in_place(Eigen::VectorXcd& b) const;
+    //! The same for several right-hand sides, one a column, three or four of them in one pass.
+    void solve_in_place(Eigen::MatrixXd& B) const;
 
 private:
     friend class CholeskyPattern;

@@ -49,4 +49,13 @@ Eigen::VectorXcd GroundedInverse::operator*(const Eigen::VectorXcd& r) const {
     return result;
 }
 
+Eigen::MatrixXd GroundedInverse::operator*(const Eigen::MatrixXd& R) const {
+    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(R.rows(), R.cols());
+    if (free_.empty()) return result;
+    Eigen::MatrixXd B = R(free_, Eigen::all);
+    factor_->solve_in_place(B);
+    result(free_, Eigen::all) = B;
+    return result;
+}
+
 }  // namespace puppetwarp

@@ -18,6 +18,8 @@ public:
 
     //! G r; 0 at the first vertex of each component.
     Eigen::VectorXcd operator*(const Eigen::VectorXcd& r) const;
+    //! The same for several right-hand sides, one a column.
+    Eigen::MatrixXd operator*(const Eigen::MatrixXd& R) const;
 
 private:
     std::vector<int> free_;  // the vertices that are not grounded

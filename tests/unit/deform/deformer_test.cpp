@@ -233,7 +233,8 @@ TEST_P(EveryMethod, AVertexOfNoTriangleStaysOrIsHeld) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod,
-                         testing::Values("harmonic", "biharmonic", "arap", "arap-spokes", "arap-spokes-and-rims"),
+                         testing::Values("harmonic", "biharmonic", "triharmonic", "tetraharmonic", "thin-shell", "arap",
+                                         "arap-spokes", "arap-spokes-and-rims"),
                          [](const auto& each) {
                              std::string name = each.param;
                              std::erase(name, '-');
@@ -241,7 +242,9 @@ INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod,
                          });
 
 TEST(MethodNames, GoBothWays) {
-    EXPECT_EQ(method_names(), (std::vector<std::string>{"harmonic", "biharmonic", "arap", "smooth-arap", "fold-free"}));
+    EXPECT_EQ(method_names(),
+              (std::vector<std::string>{"harmonic", "biharmonic", "triharmonic", "tetraharmonic", "thin-shell", "arap",
+                                        "smooth-arap", "fold-free"}));
     for (const std::string& name : method_names()) EXPECT_EQ(method_name(method_from_name(name)), name);
     for (const char* name : {"elements", "spokes", "spokes-and-rims"}) {
         EXPECT_EQ(arap_energy_name(arap_energy_from_name(name)), name);

@@ -18,13 +18,14 @@ struct InteractiveFrame {
     double max_handle_error_px = 0;  //!< against what each handle constrains
 };
 
-//! A deformation that follows handles while they are dragged. Remembers where it is: each call goes on from the positions
-//! of the last. For `arap`, `smooth-arap` and `fold-free` the factor that steers the descent is refreshed by a worker
-//! thread, so that no call waits for it; how far a call comes in its time depends on the machine, where it ends does not.
-//! The other methods answer at once. For one thread at a time.
+//! A deformation that follows handles while they are dragged. Remembers where it is: each call goes on from the
+//! positions of the last. For `arap`, `smooth-arap` and `fold-free` the factor that steers the descent is refreshed by
+//! a worker thread, so that no call waits for it; how far a call comes in its time depends on the machine, where it
+//! ends does not. The other methods answer at once. For one thread at a time.
 class InteractiveSolver {
 public:
-    //! \param worker  false: factors are refreshed by the calls themselves, when that is due; then results do not depend
+    //! \param worker  false: factors are refreshed by the calls themselves, when that is due; then results do not
+    //! depend
     //!                on timing, as long as budgets are large.
     //! \throw InvalidInput  as `make_deformer`.
     InteractiveSolver(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig, bool worker = true);
@@ -32,9 +33,9 @@ public:
     InteractiveSolver(const InteractiveSolver&) = delete;
     InteractiveSolver& operator=(const InteractiveSolver&) = delete;
 
-    //! Goes on for another rig from where it is: handles were added, removed or placed anew. Points and bones cost a few
-    //! solves; where vertices or regions changed, the factor is made anew.
-    //! \throw InvalidInput  as `make_deformer`; nothing has changed then.
+    //! Goes on for another rig from where it is: handles were added, removed or placed anew. Points and bones cost a
+    //! few solves; where vertices or regions changed, the factor is made anew. \throw InvalidInput  as `make_deformer`;
+    //! nothing has changed then.
     void set_rig(const Rig& rig);
 
     //! Brings the handles to where the pose has them, and the rest after them, until settled or the time is over.

@@ -1,5 +1,6 @@
 #include <puppetwarp/deform/constrained_metric.h>
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -36,6 +37,20 @@ ConstrainedMetric::ConstrainedMetric(std::shared_ptr<const FactoredHessian> hess
     for (const int v : grounds.vertices) ground_rows_.push_back({{v, 1.0}});
 }
 
+std::shared_ptr<ConstrainedMetric> ConstrainedMetric::with_rows(const std::vector<int>& old_of_new) const {
+    auto metric = std::make_shared<ConstrainedMetric>(hessian_, vertices_, VertexSprings{}, penalty_);
+    metric->ground_stiffness_ = ground_stiffness_;
+    metric->ground_rows_ = ground_rows_;
+    for (const auto& [key, response] : responses_) {
+        if (key < 0) metric->responses_.emplace(key, response);
+    }
+    for (std::size_t row = 0; row < old_of_new.size(); ++row) {
+        const auto found = old_of_new[row] < 0 ? responses_.end() : responses_.find(old_of_new[row]);
+        if (found != responses_.end()) metric->responses_.emplace(static_cast<int>(row), found->second);
+    }
+    return metric;
+}
+
 const ConstrainedMetric::Response& ConstrainedMetric::response(int key, const ComplexRow& row) {
     const auto found = responses_.find(key);
     if (found != responses_.end()) return found->second;
@@ -47,8 +62,19 @@ const ConstrainedMetric::Response& ConstrainedMetric::response(int key, const Co
     return responses_.emplace(key, std::move(response)).first->second;
 }
 
+// The values of conditions are no part of the system.
+bool ConstrainedMetric::same_as_chosen(const std::vector<Condition>& conditions, bool keep_grounds) const {
+    return chosen_ && grounds_kept_ == keep_grounds &&
+           std::equal(
+               chosen_->begin(), chosen_->end(), conditions.begin(), conditions.end(),
+               [](const Condition& a, const Condition& b) { return a.row == b.row && a.direction == b.direction; });
+}
+
 void ConstrainedMetric::choose(const std::vector<ComplexRow>& rows, const std::vector<Condition>& conditions,
                                bool keep_grounds) {
+    if (same_as_chosen(conditions, keep_grounds)) return;
+    chosen_ = conditions;
+    grounds_kept_ = keep_grounds;
     const std::size_t grounds = keep_grounds ? 0 : 2 * ground_rows_.size();
     const auto count = static_cast<Eigen::Index>(conditions.size());
     const auto all = count + static_cast<Eigen::Index>(grounds);

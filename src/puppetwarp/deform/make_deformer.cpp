@@ -24,7 +24,8 @@ std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const Tria
     switch (options.method) {
         case Method::arap:
         case Method::smooth_arap:
-        case Method::fold_free: return std::make_unique<VariationalDeformer>(options, mesh, rig);
+        case Method::fold_free:
+            return std::make_unique<VariationalDeformer>(std::make_shared<VariationalProblem>(options, mesh, rig));
         case Method::harmonic: return make_polyharmonic(1, mesh, rig);
         case Method::biharmonic: return make_polyharmonic(2, mesh, rig);
         case Method::triharmonic: return make_polyharmonic(3, mesh, rig);

@@ -3,6 +3,8 @@
 #include <puppetwarp/base/errors.h>
 
 #include <puppetwarp/deform/arap.h>
+#include <puppetwarp/deform/laplacian_linear.h>
+#include <puppetwarp/deform/laplacian_rotated.h>
 #include <puppetwarp/deform/polyharmonic.h>
 
 #include <cmath>
@@ -19,6 +21,10 @@ std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const Tria
     switch (options.method) {
         case Method::harmonic: return std::make_unique<PolyharmonicDeformer>(1, mesh, rig);
         case Method::biharmonic: return std::make_unique<PolyharmonicDeformer>(2, mesh, rig);
+        case Method::laplacian:
+        case Method::laplacian_similarity:
+            return std::make_unique<LinearLaplacianDeformer>(options.method, mesh, rig);
+        case Method::laplacian_rotated: return std::make_unique<RotatedLaplacianDeformer>(options, mesh, rig);
         case Method::arap: return std::make_unique<ArapDeformer>(options, mesh, rig);
         default: throw InvalidInput("method '" + method_name(options.method) + "'", "this version does not have it");
     }

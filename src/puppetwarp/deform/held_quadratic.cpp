@@ -1,0 +1,403 @@
+#include <puppetwarp/deform/held_quadratic.h>
+
+#include <puppetwarp/base/errors.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+namespace puppetwarp {
+
+namespace {
+
+using Complex = std::complex<double>;
+
+// Handles whose targets are missed by more than this share of the subject's size contradict each other.
+constexpr double contradiction = 1e-6;
+// What is missed by less than this share is round-off.
+constexpr double round_off = 1e-14;
+constexpr double rank_threshold = 1e-13;
+// Modes that move means by less than this share of what others do move none.
+constexpr double idle = 1e-7;
+constexpr int refinements = 2;
+
+ComplexRow times(const ComplexRow& row, double factor) {
+    ComplexRow result = row;
+    for (auto& entry : result) entry.second *= factor;
+    return result;
+}
+
+int farthest(const std::vector<int>& from, const Eigen::VectorXcd& rest, const std::vector<int>& vertices,
+             const Complex& place) {
+    int best = from.front();
+    for (const int i : from) {
+        const auto distance = [&](int k) { return std::abs(rest(vertices[static_cast<std::size_t>(k)]) - place); };
+        if (distance(i) > distance(best)) best = i;
+    }
+    return best;
+}
+
+// [ means of answers   means of modes ]
+// [ of modes, adjoint  0              ] takes multipliers and shares of modes to means and pushes on modes; this solves
+// for the former. Means that depend on each other are met as far as they can be.
+class MeanSystem {
+public:
+    //! \param means  #means x (#means + #modes): of the answers to loads on the means, then of the modes.
+    explicit MeanSystem(const Eigen::MatrixXcd& means) : scale_(Eigen::VectorXd::Ones(means.cols())) {
+        const Eigen::Index m = means.rows(), size = means.cols();
+        Eigen::MatrixXcd saddle = Eigen::MatrixXcd::Zero(size, size);
+        saddle.topRows(m) = means;
+        saddle.bottomLeftCorner(size - m, m) = means.rightCols(size - m).adjoint();
+        // To similar size: answers grow with the mesh's resolution, modes do not.
+        for (Eigen::Index i = 0; i < size; ++i) {
+            const double length =
+                i < m ? std::sqrt(std::max(means(i, i).real(), 0.0)) : means.col(i).cwiseProduct(scale_.head(m)).norm();
+            if (length > 0) scale_(i) = 1 / length;
+        }
+        if (size == 0) return;
+        solver_.setThreshold(rank_threshold);
+        solver_.compute(scale_.asDiagonal() * saddle * scale_.asDiagonal());
+    }
+
+    Eigen::MatrixXcd solve(const Eigen::MatrixXcd& b) const {
+        if (scale_.size() == 0) return b;
+        return scale_.asDiagonal() * solver_.solve(Eigen::MatrixXcd(scale_.asDiagonal() * b));
+    }
+
+private:
+    Eigen::VectorXd scale_;
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXcd> solver_;
+};
+
+// Combinations of the columns that are 0: an orthonormal basis, one a column.
+Eigen::MatrixXcd null_space(const Eigen::MatrixXcd& columns) {
+    if (columns.cols() == 0) return Eigen::MatrixXcd(0, 0);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> spectrum(columns.adjoint() * columns);
+    const double largest = spectrum.eigenvalues().maxCoeff();
+    Eigen::Index count = 0;
+    while (count < columns.cols() && spectrum.eigenvalues()(count) <= idle * idle * largest) ++count;
+    return spectrum.eigenvectors().leftCols(count);
+}
+
+}  // namespace
+
+QuadraticForm squared_norm(QuadraticForm::Matrix B, QuadraticForm::NullSpace null_space) {
+    const QuadraticForm::Matrix adjoint = B.adjoint();
+    QuadraticForm form;
+    form.A = adjoint * B;
+    form.A.makeCompressed();
+    form.null_space = null_space;
+    form.product = [adjoint, B = std::move(B)](const Eigen::VectorXcd& x) -> Eigen::VectorXcd {
+        const Eigen::VectorXcd y = B * x;
+        return adjoint * y;
+    };
+    return form;
+}
+
+HeldQuadratic::HeldQuadratic(QuadraticForm form, const TriangleMesh& mesh, const Binding& binding, AffineUse affine)
+    : form_(std::move(form)), rest_(complex_positions(mesh.V)), size_(bounding_diagonal(mesh.V)) {
+    for (Eigen::Index k = 0; k < form_.A.nonZeros() && real_; ++k) real_ = form_.A.valuePtr()[k].imag() == 0;
+    find_unknowns(binding);
+    find_modes(vertex_components(mesh));
+    factorise();
+    prepare_rows(binding, affine);
+    prepare_fields();
+}
+
+void HeldQuadratic::find_unknowns(const Binding& binding) {
+    slot_.assign(static_cast<std::size_t>(rest_.size()), 0);
+    for (std::size_t v = 0; v < slot_.size(); ++v) {
+        if (binding.loose[v]) slot_[v] = -1;
+    }
+    for (const HeldVertex& held : binding.vertices) {
+        slot_[static_cast<std::size_t>(held.vertex)] = -1;
+        vertices_.push_back(held.vertex);
+    }
+    for (std::size_t v = 0; v < slot_.size(); ++v) {
+        if (slot_[v] < 0) continue;
+        slot_[v] = static_cast<int>(free_.size());
+        free_.push_back(static_cast<int>(v));
+    }
+}
+
+void HeldQuadratic::find_modes(const Eigen::VectorXi& component) {
+    std::vector<std::vector<int>> free(static_cast<std::size_t>(component.maxCoeff() + 1)), held(free.size());
+    for (std::size_t i = 0; i < free_.size(); ++i) {
+        free[static_cast<std::size_t>(component(free_[i]))].push_back(static_cast<int>(i));
+    }
+    for (const int v : vertices_) held[static_cast<std::size_t>(component(v))].push_back(v);
+    for (std::size_t c = 0; c < free.size(); ++c) {
+        if (!free[c].empty()) add_modes(free[c], held[c]);
+    }
+}
+
+// Motions of one component that cost nothing and leave its held vertices where they are, and unknowns that stop them.
+void HeldQuadratic::add_modes(const std::vector<int>& free, const std::vector<int>& held) {
+    const auto at = [&](int i) { return rest_(free_[static_cast<std::size_t>(i)]); };
+    const auto count = static_cast<Eigen::Index>(free.size());
+    const bool similarities = form_.null_space == QuadraticForm::NullSpace::similarities;
+    if (!held.empty()) {
+        const Complex centre = rest_(held.front());
+        for (const int v : held) {
+            if (std::abs(rest_(v) - centre) > one_vertex * size_) return;
+        }
+        if (!similarities) return;
+        Eigen::VectorXcd arm(count);
+        for (Eigen::Index i = 0; i < count; ++i) arm(i) = at(free[static_cast<std::size_t>(i)]) - centre;
+        if (arm.norm() <= one_vertex * size_) return;
+        grounds_.push_back(farthest(free, rest_, free_, centre));
+        modes_.push_back({free, arm / arm.norm()});
+        return;
+    }
+    Complex centre = 0;
+    for (const int i : free) centre += at(i) / static_cast<double>(count);
+    modes_.push_back({free, Eigen::VectorXcd::Constant(count, 1 / std::sqrt(static_cast<double>(count)))});
+    grounds_.push_back(farthest(free, rest_, free_, centre));
+    Eigen::VectorXcd arm(count);
+    for (Eigen::Index i = 0; i < count; ++i) arm(i) = at(free[static_cast<std::size_t>(i)]) - centre;
+    if (!similarities || arm.norm() <= one_vertex * size_) return;
+    grounds_.push_back(farthest(free, rest_, free_, at(grounds_.back())));
+    modes_.push_back({free, arm / arm.norm()});
+}
+
+// A over the unknowns, with as much added at the grounds as makes it definite. For loads that push no mode its inverse
+// then is one of A itself, however much is added. A complex matrix is factored as the real one of (Re, Im) pairs.
+void HeldQuadratic::factorise() {
+    if (free_.empty()) return;
+    const int parts = real_ ? 1 : 2;
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(static_cast<std::size_t>(form_.A.nonZeros()) * (real_ ? 1 : 2));
+    double trace = 0;
+    for (std::size_t column = 0; column < free_.size(); ++column) {
+        for (QuadraticForm::Matrix::InnerIterator it(form_.A, free_[column]); it; ++it) {
+            const int i = slot_[static_cast<std::size_t>(it.row())];
+            const auto j = static_cast<int>(column);
+            if (i < j) continue;
+            if (i == j) trace += it.value().real();
+            entries.emplace_back(parts * i, parts * j, it.value().real());
+            if (real_) continue;
+            entries.emplace_back(2 * i + 1, 2 * j + 1, it.value().real());
+            entries.emplace_back(2 * i + 1, 2 * j, it.value().imag());
+            if (i > j) entries.emplace_back(2 * i, 2 * j + 1, -it.value().imag());
+        }
+    }
+    for (const int ground : grounds_) {
+        for (int part = 0; part < parts; ++part) {
+            entries.emplace_back(parts * ground + part, parts * ground + part,
+                                 trace / static_cast<double>(free_.size()));
+        }
+    }
+    const auto size = parts * static_cast<Eigen::Index>(free_.size());
+    Eigen::SparseMatrix<double> lower(size, size);
+    lower.setFromTriplets(entries.begin(), entries.end());
+    factor_ = CholeskyPattern(lower).factorise(lower);
+    if (!factor_) {
+        throw InvalidInput("mesh", "its triangles are too thin or too different in size to compute with",
+                           "use a mesh with better triangles");
+    }
+}
+
+void HeldQuadratic::prepare_rows(const Binding& binding, AffineUse affine) {
+    for (std::size_t h = 0; h < binding.holds.size(); ++h) {
+        const Hold& hold = binding.holds[h];
+        means_.push_back(hold.mean);
+        if (hold.turn.empty()) continue;
+        rows_.push_back({static_cast<int>(h), false, hold.radius_px, times(hold.turn, hold.radius_px)});
+        if (affine == AffineUse::no) continue;
+        rows_.push_back({static_cast<int>(h), true, hold.radius_px, times(hold.shear, hold.radius_px)});
+    }
+}
+
+Eigen::VectorXcd HeldQuadratic::load_of(const ComplexRow& row) const {
+    Eigen::VectorXcd load = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(free_.size()));
+    for (const auto& [vertex, coefficient] : row) {
+        const int i = slot_[static_cast<std::size_t>(vertex)];
+        if (i >= 0) load(i) += std::conj(coefficient);
+    }
+    return load;
+}
+
+Complex HeldQuadratic::free_value(const ComplexRow& row, const Eigen::VectorXcd& u) const {
+    Complex sum = 0;
+    for (const auto& [vertex, coefficient] : row) {
+        const int i = slot_[static_cast<std::size_t>(vertex)];
+        if (i >= 0) sum += coefficient * u(i);
+    }
+    return sum;
+}
+
+// The answer without any mode to a load without its push on modes.
+Eigen::VectorXcd HeldQuadratic::inverse(Eigen::VectorXcd load) const {
+    const auto take_modes = [&](Eigen::VectorXcd& u) {
+        for (const Mode& mode : modes_) {
+            const Complex share = mode.value.dot(u(mode.free));
+            u(mode.free) -= share * mode.value;
+        }
+    };
+    take_modes(load);
+    if (real_) {
+        factor_->solve_in_place(load);
+    } else {
+        Eigen::VectorXd parts =
+            Eigen::Map<const Eigen::VectorXd>(reinterpret_cast<const double*>(load.data()), 2 * load.size());
+        factor_->solve_in_place(parts);
+        Eigen::Map<Eigen::VectorXd>(reinterpret_cast<double*>(load.data()), parts.size()) = parts;
+    }
+    take_modes(load);
+    return load;
+}
+
+// Once more for what the first answer left: so that errors grow with the condition of B, not of A = B^H B.
+Eigen::VectorXcd HeldQuadratic::refined_inverse(const Eigen::VectorXcd& load) const {
+    Eigen::VectorXcd u = inverse(load);
+    for (int pass = 0; pass < refinements; ++pass) {
+        Eigen::VectorXcd x = Eigen::VectorXcd::Zero(rest_.size());
+        add(u, x);
+        const Eigen::VectorXcd answered = form_.product(x);
+        u += inverse(load - answered(free_));
+    }
+    return u;
+}
+
+// Answers to loads on the means, and the modes.
+Eigen::MatrixXcd HeldQuadratic::mean_answers() const {
+    const auto m = static_cast<Eigen::Index>(means_.size());
+    const auto k = static_cast<Eigen::Index>(modes_.size());
+    Eigen::MatrixXcd fields = Eigen::MatrixXcd::Zero(static_cast<Eigen::Index>(free_.size()), m + k);
+    for (Eigen::Index h = 0; h < m; ++h) fields.col(h) = refined_inverse(load_of(means_[static_cast<std::size_t>(h)]));
+    for (Eigen::Index i = 0; i < k; ++i) {
+        const Mode& mode = modes_[static_cast<std::size_t>(i)];
+        fields.col(m + i)(mode.free) = mode.value;
+    }
+    return fields;
+}
+
+Eigen::VectorXcd HeldQuadratic::means_of(const Eigen::VectorXcd& u) const {
+    Eigen::VectorXcd values(static_cast<Eigen::Index>(means_.size()));
+    for (std::size_t h = 0; h < means_.size(); ++h) values(static_cast<Eigen::Index>(h)) = free_value(means_[h], u);
+    return values;
+}
+
+void HeldQuadratic::prepare_fields() {
+    if (free_.empty()) return;
+    const auto m = static_cast<Eigen::Index>(means_.size());
+    const auto k = static_cast<Eigen::Index>(modes_.size());
+    const auto t = static_cast<Eigen::Index>(rows_.size());
+    const Eigen::MatrixXcd fields = mean_answers();
+    Eigen::MatrixXcd means(m, m + k);
+    for (Eigen::Index i = 0; i < m + k; ++i) means.col(i) = means_of(fields.col(i));
+    const MeanSystem system(means);
+    mean_fields_ = fields * system.solve(Eigen::MatrixXcd::Identity(m + k, m));
+
+    row_fields_.resize(fields.rows(), t);
+    for (Eigen::Index i = 0; i < t; ++i) {
+        const Eigen::VectorXcd load = load_of(rows_[static_cast<std::size_t>(i)].entries);
+        const Eigen::VectorXcd u = refined_inverse(load);
+        Eigen::VectorXcd b(m + k);
+        b << -means_of(u), -(fields.rightCols(k).adjoint() * load);
+        row_fields_.col(i) = u + fields * system.solve(b);
+    }
+    idle_fields_ = fields.rightCols(k) * null_space(means.rightCols(k));
+
+    row_response_.resize(t, t);
+    idle_response_.resize(t, idle_fields_.cols());
+    for (Eigen::Index i = 0; i < t; ++i) {
+        const ComplexRow& row = rows_[static_cast<std::size_t>(i)].entries;
+        for (Eigen::Index j = 0; j < t; ++j) row_response_(i, j) = free_value(row, row_fields_.col(j));
+        for (Eigen::Index j = 0; j < idle_fields_.cols(); ++j) {
+            idle_response_(i, j) = free_value(row, idle_fields_.col(j));
+        }
+    }
+}
+
+HeldGoals HeldQuadratic::goals_of(const Targets& targets, const Eigen::VectorXcd& rest, bool free_scale) const {
+    HeldGoals goals;
+    goals.means.resize(static_cast<Eigen::Index>(means_.size()));
+    for (std::size_t h = 0; h < means_.size(); ++h) {
+        goals.means(static_cast<Eigen::Index>(h)) = row_value(means_[h], rest) + targets.holds[h].move;
+    }
+    goals.vertices = targets.vertices;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        const HoldTarget& target = targets.holds[static_cast<std::size_t>(rows_[i].hold)];
+        const auto row = static_cast<int>(i);
+        const double radius = rows_[i].radius_px;
+        if (rows_[i].shear) {
+            if (target.shear) goals.rows.push_back({row, RowGoal::Kind::value, radius * *target.shear});
+        } else if (target.rotate_rad) {
+            const bool free = free_scale && !target.scale;
+            goals.rows.push_back({row, free ? RowGoal::Kind::direction : RowGoal::Kind::value,
+                                  std::polar(radius * target.scale.value_or(1), *target.rotate_rad)});
+        } else if (target.scale) {
+            goals.rows.push_back({row, RowGoal::Kind::length, radius * *target.scale});
+        }
+    }
+    return goals;
+}
+
+Eigen::VectorXcd HeldQuadratic::missing_means(const HeldGoals& goals, const Eigen::VectorXcd& x) const {
+    Eigen::VectorXcd missing = goals.means;
+    for (std::size_t h = 0; h < means_.size(); ++h) {
+        missing(static_cast<Eigen::Index>(h)) -= row_value(means_[h], x);
+    }
+    return missing;
+}
+
+void HeldQuadratic::add(const Eigen::VectorXcd& u, Eigen::VectorXcd& x) const {
+    for (std::size_t i = 0; i < free_.size(); ++i) x(free_[i]) += u(static_cast<Eigen::Index>(i));
+}
+
+void HeldQuadratic::step(const HeldGoals& goals, const Eigen::VectorXcd* load, Eigen::VectorXcd& x) const {
+    Eigen::VectorXcd push = load != nullptr ? *load : Eigen::VectorXcd();
+    if (!vertices_.empty()) {
+        Eigen::VectorXcd moved = Eigen::VectorXcd::Zero(x.size());
+        for (std::size_t k = 0; k < vertices_.size(); ++k) {
+            moved(vertices_[k]) = goals.vertices(static_cast<Eigen::Index>(k)) - x(vertices_[k]);
+            x(vertices_[k]) = goals.vertices(static_cast<Eigen::Index>(k));
+        }
+        push =
+            load != nullptr ? Eigen::VectorXcd(push - form_.product(moved)) : Eigen::VectorXcd(-form_.product(moved));
+    }
+    if (free_.empty()) return;
+    if (push.size() > 0) add(inverse(push(free_)), x);
+    // What round-off leaves of the means is met by another pass, where it is more than round-off of the positions.
+    for (int pass = 0; pass < 2; ++pass) {
+        const Eigen::VectorXcd missing = missing_means(goals, x);
+        if (missing.size() == 0 || missing.lpNorm<Eigen::Infinity>() <= round_off * size_) break;
+        add(mean_fields_ * missing, x);
+    }
+    if (goals.rows.empty()) return;
+    Eigen::VectorXcd values(static_cast<Eigen::Index>(rows_.size()));
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        values(static_cast<Eigen::Index>(i)) = row_value(rows_[i].entries, x);
+    }
+    const RowSteps steps = meet(goals.rows, values, row_response_, idle_response_);
+    add(row_fields_ * steps.multipliers + idle_fields_ * steps.modes, x);
+}
+
+double HeldQuadratic::largest_error(const HeldGoals& goals, const Eigen::VectorXcd& x) const {
+    double largest = 0;
+    for (std::size_t k = 0; k < vertices_.size(); ++k) {
+        largest = std::max(largest, std::abs(goals.vertices(static_cast<Eigen::Index>(k)) - x(vertices_[k])));
+    }
+    if (!means_.empty()) largest = std::max(largest, missing_means(goals, x).lpNorm<Eigen::Infinity>());
+    for (const RowGoal& goal : goals.rows) {
+        const Complex value = row_value(rows_[static_cast<std::size_t>(goal.row)].entries, x);
+        largest = std::max(largest, distance_to(goal, value));
+    }
+    return largest;
+}
+
+double HeldQuadratic::require_met(const HeldGoals& goals, const Eigen::VectorXcd& x, const std::string& pose) const {
+    const double error = largest_error(goals, x);
+    if (!(error <= contradiction * size_)) {
+        throw InvalidInput("pose '" + pose + "'", "handles that are close together ask for what cannot be met together",
+                           "move them apart, or remove one");
+    }
+    return error;
+}
+
+}  // namespace puppetwarp

@@ -10,7 +10,9 @@ namespace puppetwarp {
 
 namespace {
 
-using Complex = std::complex<double>;
+// A turn is estimated over a vertex's neighbours and so many rings more: one ring that handles crushed has none of its
+// own.
+constexpr int wider = 2;
 
 }  // namespace
 
@@ -29,14 +31,23 @@ RotatedLaplacianDeformer::RotatedLaplacianDeformer(const MethodOptions& options,
 
 // How each vertex's neighbourhood turned from rest to x: the rotation alone.
 Eigen::VectorXcd RotatedLaplacianDeformer::turned(const Eigen::VectorXcd& x, const Eigen::VectorXcd& otherwise) const {
-    Eigen::VectorXcd turn(x.size());
+    Eigen::VectorXcd correlation = Eigen::VectorXcd::Zero(x.size());
     for (int i = 0; i < x.size(); ++i) {
-        Complex correlation = 0;
         for (const int j : neighbours_[static_cast<std::size_t>(i)]) {
-            correlation += std::conj(rest_(j) - rest_(i)) * (x(j) - x(i));
+            correlation(i) += std::conj(rest_(j) - rest_(i)) * (x(j) - x(i));
         }
-        const double length = std::abs(correlation);
-        turn(i) = length > 0 ? correlation / length : otherwise(i);
+    }
+    for (int pass = 0; pass < wider; ++pass) {
+        Eigen::VectorXcd sum = correlation;
+        for (int i = 0; i < x.size(); ++i) {
+            for (const int j : neighbours_[static_cast<std::size_t>(i)]) sum(i) += correlation(j);
+        }
+        correlation = sum;
+    }
+    Eigen::VectorXcd turn(x.size());
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+        const double length = std::abs(correlation(i));
+        turn(i) = length > 0 ? correlation(i) / length : otherwise(i);
     }
     return turn;
 }

@@ -10,10 +10,11 @@ namespace puppetwarp {
 //! `laplacian-rotated`: positions whose uniform Laplacian is that of the rest pose, each vector turned as its
 //! neighbourhood turned. Lipman et al. 2004 estimate the turns once, from an unturned solve; here solve and estimate
 //! alternate until positions settle, beginning with the rigid motion that fits the handles best, so that rigid motions
-//! of all handles are met exactly and nothing depends on the frame. A turn is the rotation that fits the vertex and what is
-//! neighbours best. All solves share one factor; the alternation is accelerated (Anderson 1965, Walker & Ni 2011),
-//! which changes its speed alone. Not a descent: the turns do not minimise the energy |K x - r delta|^2, so its history
-//! holds only the end, px^2. An angle without scale leaves that free, a scale without angle the direction.
+//! of all handles are met exactly and nothing depends on the frame. A turn is the rotation that fits a vertex and three
+//! rings around it best. All solves share one factor; the alternation is accelerated (Anderson 1965, Walker & Ni 2011),
+//! which changes its speed alone.
+//! Not a descent: the turns do not minimise the energy |K x - r delta|^2, so its history holds only the end, px^2.
+//! An angle without scale leaves that free, a scale without angle the direction.
 class RotatedLaplacianDeformer : public Deformer {
 public:
     //! \param options  converged: a solve moves no vertex by more than `tolerance` times the bounding diagonal.

@@ -5,6 +5,8 @@
 #include <puppetwarp/deform/arap.h>
 #include <puppetwarp/deform/laplacian_linear.h>
 #include <puppetwarp/deform/laplacian_rotated.h>
+#include <puppetwarp/deform/moving_least_squares.h>
+#include <puppetwarp/deform/multiresolution.h>
 #include <puppetwarp/deform/polyharmonic.h>
 
 #include <cmath>
@@ -25,6 +27,10 @@ std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const Tria
         case Method::laplacian_similarity:
             return std::make_unique<LinearLaplacianDeformer>(options.method, mesh, rig);
         case Method::laplacian_rotated: return std::make_unique<RotatedLaplacianDeformer>(options, mesh, rig);
+        case Method::multiresolution: return std::make_unique<MultiresolutionDeformer>(options, mesh, rig);
+        case Method::mls_affine:
+        case Method::mls_similarity:
+        case Method::mls_rigid: return std::make_unique<MovingLeastSquaresDeformer>(options.method, mesh, rig);
         case Method::arap: return std::make_unique<ArapDeformer>(options, mesh, rig);
         default: throw InvalidInput("method '" + method_name(options.method) + "'", "this version does not have it");
     }

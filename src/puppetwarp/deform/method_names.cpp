@@ -23,13 +23,13 @@ constexpr std::array<NamedMethod, 15> methods{{{Method::harmonic, "harmonic", tr
                                                {Method::laplacian, "laplacian", true},
                                                {Method::laplacian_rotated, "laplacian-rotated", true},
                                                {Method::laplacian_similarity, "laplacian-similarity", true},
-                                               {Method::multiresolution, "multiresolution", false},
+                                               {Method::multiresolution, "multiresolution", true},
                                                {Method::arap, "arap", true},
                                                {Method::smooth_arap, "smooth-arap", false},
                                                {Method::fold_free, "fold-free", false},
-                                               {Method::mls_affine, "mls-affine", false},
-                                               {Method::mls_similarity, "mls-similarity", false},
-                                               {Method::mls_rigid, "mls-rigid", false}}};
+                                               {Method::mls_affine, "mls-affine", true},
+                                               {Method::mls_similarity, "mls-similarity", true},
+                                               {Method::mls_rigid, "mls-rigid", true}}};
 
 struct NamedEnergy {
     ArapEnergy value;

@@ -16,6 +16,11 @@ double dot(const Complex& a, const Complex& b) {
     return a.real() * b.real() + a.imag() * b.imag();
 }
 
+// Without the checks for infinity of the operator.
+Complex product(const Complex& a, const Complex& b) {
+    return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
 double cross(const Complex& a, const Complex& b) {
     return a.real() * b.imag() - a.imag() * b.real();
 }
@@ -33,7 +38,7 @@ MlsMoments& MlsMoments::operator+=(const MlsMoments& other) {
 MlsMoments point_moments(const Complex& v, const Complex& p) {
     const Complex arm = p - v;
     const double weight = 1 / std::norm(arm);
-    return {weight, weight * arm, 1, weight * arm * arm};
+    return {weight, weight * arm, 1, weight * product(arm, arm)};
 }
 
 // Along the segment p - v = foot + t e, with the foot of the perpendicular from v at t = 0.
@@ -56,6 +61,14 @@ double segment_distance(const Complex& v, const Complex& a, const Complex& b) {
     return std::abs(v - (a + t * (b - a)));
 }
 
+void MlsFit::add(const MlsMoments& moments, const Complex& move) {
+    places_ += moments;
+    moved_ += move * moments.weight;
+    turn_ += product(std::conj(moments.first), move);
+    shear_ += product(moments.first, move);
+    moved_norm_ += std::norm(move) * moments.weight;
+}
+
 void MlsFit::add(const MlsMoments& moments, const Complex& alpha, const Complex& beta, const Complex& move) {
     places_ += moments;
     moved_ += alpha * moments.first + beta * std::conj(moments.first) + move * moments.weight;
@@ -74,44 +87,40 @@ void MlsFit::add_turn(double weight, const Complex& alpha, const Complex& beta) 
     wish_norm_ += weight * (std::norm(alpha) + std::norm(beta));
 }
 
-MlsFit::Centred MlsFit::centred() const {
-    const Complex mean = places_.first / places_.weight;
+MlsFit::Centred MlsFit::centred(const Complex& mean) const {
     return {std::max(places_.norm - std::norm(places_.first) / places_.weight, 0.0) + wish_,
-            places_.square - places_.first * mean, turn_ - std::conj(mean) * moved_ + wish_turn_,
-            shear_ - mean * moved_ + wish_shear_, moved_norm_ - std::norm(moved_) / places_.weight + wish_norm_};
+            places_.square - product(places_.first, mean), turn_ - product(std::conj(mean), moved_) + wish_turn_,
+            shear_ - product(mean, moved_) + wish_shear_,
+            moved_norm_ - std::norm(moved_) / places_.weight + wish_norm_};
 }
 
-MlsFit::Map MlsFit::rigid() const {
-    const Centred sums = centred();
-    const Complex correlation = sums.norm + sums.turn;
-    const double length = std::abs(correlation);
-    return {length > 0 ? correlation / length - 1.0 : Complex(0), 0};
+MlsFit::Map MlsFit::fitted(const Centred& sums, Kind kind) {
+    switch (kind) {
+        case Kind::translation: break;
+        case Kind::rigid: {
+            const Complex correlation = sums.norm + sums.turn;
+            const double length = std::abs(correlation);
+            return {length > 0 ? correlation / length - 1.0 : Complex(0), 0};
+        }
+        case Kind::similarity: return {sums.norm > 0 ? sums.turn / sums.norm : Complex(0), 0};
+        case Kind::affine: {
+            const double determinant = sums.norm * sums.norm - std::norm(sums.square);
+            return {(sums.norm * sums.turn - product(std::conj(sums.square), sums.shear)) / determinant,
+                    (sums.norm * sums.shear - product(sums.square, sums.turn)) / determinant};
+        }
+    }
+    return {};
 }
 
-MlsFit::Map MlsFit::similarity() const {
-    const Centred sums = centred();
-    return {sums.norm > 0 ? sums.turn / sums.norm : Complex(0), 0};
-}
-
-MlsFit::Map MlsFit::affine() const {
-    const Centred sums = centred();
-    const double determinant = sums.norm * sums.norm - std::norm(sums.square);
-    return {(sums.norm * sums.turn - std::conj(sums.square) * sums.shear) / determinant,
-            (sums.norm * sums.shear - sums.square * sums.turn) / determinant};
-}
-
-Complex MlsFit::at_centre(const Map& map) const {
+MlsFit::Displacement MlsFit::solve(Kind kind) const {
     const Complex mean = places_.first / places_.weight;
-    return moved_ / places_.weight - map.alpha * mean - map.beta * std::conj(mean);
-}
-
-double MlsFit::residual(const Map& map) const {
-    const Centred sums = centred();
-    const double missed =
-        sums.moved - 2 * (std::conj(map.alpha) * sums.turn + std::conj(map.beta) * sums.shear).real() +
-        (std::norm(map.alpha) + std::norm(map.beta)) * sums.norm +
-        2 * (std::conj(map.beta) * map.alpha * sums.square).real();
-    return std::max(missed, 0.0) / places_.weight;
+    const Centred sums = centred(mean);
+    const Map map = fitted(sums, kind);
+    const double missed = sums.moved - 2 * (dot(map.alpha, sums.turn) + dot(map.beta, sums.shear)) +
+                          (std::norm(map.alpha) + std::norm(map.beta)) * sums.norm +
+                          2 * dot(map.beta, product(map.alpha, sums.square));
+    return {moved_ / places_.weight - product(map.alpha, mean) - product(map.beta, std::conj(mean)),
+            std::max(missed, 0.0) / places_.weight};
 }
 
 }  // namespace puppetwarp

@@ -91,20 +91,11 @@ int MovingLeastSquaresDeformer::control_at(const Complex& v) const {
 
 MlsMoments MovingLeastSquaresDeformer::moments(const Curve& curve, const Complex& v) const {
     MlsMoments sum;
-    for (std::size_t i = 1; i < curve.points.size(); ++i) sum += segment_moments(v, curve.points[i - 1], curve.points[i]);
+    for (std::size_t i = 1; i < curve.points.size(); ++i)
+        sum += segment_moments(v, curve.points[i - 1], curve.points[i]);
     // Per length, as points have it per piece.
     const double pieces = 1 / (default_disc_share * size_);
     return {pieces * sum.weight, pieces * sum.first, pieces * sum.norm, pieces * sum.square};
-}
-
-MlsFit::Map MovingLeastSquaresDeformer::map_of(const MlsFit& fit, Fitted kind) const {
-    switch (kind) {
-        case Fitted::translation: break;
-        case Fitted::rigid: return fit.rigid();
-        case Fitted::similarity: return fit.similarity();
-        case Fitted::affine: return fit.affine();
-    }
-    return fit.translation();
 }
 
 // \param curves  moments of each curve seen from v.
@@ -113,7 +104,7 @@ MlsFit MovingLeastSquaresDeformer::fit_at(const Complex& v, const MlsMoments* cu
     MlsFit fit;
     for (std::size_t d = 0; d < discs_.size(); ++d) {
         const MlsMoments moments = point_moments(v, discs_[d].at);
-        fit.add(moments, 0, 0, moved[d].move);
+        fit.add(moments, moved[d].move);
         if (!moved[d].turned) continue;
         fit.add_turn(moments.weight * discs_[d].radius_px * discs_[d].radius_px, moved[d].turn, moved[d].shear);
     }
@@ -163,10 +154,11 @@ std::vector<MovingLeastSquaresDeformer::Moved> MovingLeastSquaresDeformer::moved
         const HandlePose& target = found->second;
         if (target.to && !target.affine) moved[d].move = complex_of(*target.to) - discs_[d].at;
         if (target.rotate_rad || target.affine) {
+            const double scale = method_ == Method::mls_rigid ? std::abs(map.alpha) : 1;
             moved[d].turned = true;
-            moved[d].turn = map.alpha - 1.0;
+            moved[d].turn = map.alpha / scale - 1.0;
             moved[d].shear = map.beta;
-        } else if (target.scale) {
+        } else if (target.scale && method_ != Method::mls_rigid) {
             scaled.push_back(d);
         }
     }
@@ -185,7 +177,7 @@ std::vector<MovingLeastSquaresDeformer::Moved> MovingLeastSquaresDeformer::moved
 
 // At points and the ends of bones, where no vertex need be.
 double MovingLeastSquaresDeformer::largest_error(const std::vector<Moved>& moved, const Targets& targets,
-                                                 Fitted kind) const {
+                                                 MlsFit::Kind kind) const {
     double largest = 0;
     const auto compare = [&](const Complex& at, const Complex& goal) {
         const int control = control_at(at);
@@ -195,8 +187,7 @@ double MovingLeastSquaresDeformer::largest_error(const std::vector<Moved>& moved
         } else {
             std::vector<MlsMoments> curves;
             for (const Curve& curve : curves_) curves.push_back(moments(curve, at));
-            const MlsFit fit = fit_at(at, curves.data(), moved, targets);
-            move = fit.at_centre(map_of(fit, kind));
+            move = fit_at(at, curves.data(), moved, targets).solve(kind).at_centre;
         }
         largest = std::max(largest, std::abs(move - goal));
     };
@@ -225,11 +216,11 @@ Deformation MovingLeastSquaresDeformer::deform(const Pose& pose, const Eigen::Ma
     const Targets targets = resolve(binding_, mesh_, rig_, pose, affine_use(), method_name(method_));
     const std::vector<Moved> moved = moved_discs(targets, pose);
     const bool turned = std::any_of(moved.begin(), moved.end(), [](const Moved& each) { return each.turned; });
-    Fitted kind = method_ == Method::mls_rigid        ? Fitted::rigid
-                  : method_ == Method::mls_similarity ? Fitted::similarity
-                                                      : Fitted::affine;
-    if (one_place_ && !turned) kind = Fitted::translation;
-    if (one_line_ && !turned && kind == Fitted::affine) kind = Fitted::similarity;
+    MlsFit::Kind kind = method_ == Method::mls_rigid        ? MlsFit::Kind::rigid
+                        : method_ == Method::mls_similarity ? MlsFit::Kind::similarity
+                                                            : MlsFit::Kind::affine;
+    if (one_place_ && !turned) kind = MlsFit::Kind::translation;
+    if (one_line_ && !turned && kind == MlsFit::Kind::affine) kind = MlsFit::Kind::similarity;
 
     Eigen::VectorXcd x = rest_;
     double energy = 0;
@@ -240,9 +231,9 @@ Deformation MovingLeastSquaresDeformer::deform(const Pose& pose, const Eigen::Ma
             continue;
         }
         const MlsFit fit = fit_at(rest_(v), moments_.data() + i * curves_.size(), moved, targets);
-        const MlsFit::Map map = map_of(fit, kind);
-        x(v) += fit.at_centre(map);
-        energy += fit.residual(map);
+        const MlsFit::Displacement fitted = fit.solve(kind);
+        x(v) += fitted.at_centre;
+        energy += fitted.residual;
     }
     for (std::size_t k = 0; k < binding_.vertices.size(); ++k) {
         x(binding_.vertices[k].vertex) = targets.vertices(static_cast<Eigen::Index>(k));

@@ -42,18 +42,16 @@ private:
         bool turned = false;
     };
 
-    enum class Fitted { translation, rigid, similarity, affine };
     AffineUse affine_use() const { return method_ == Method::mls_affine ? AffineUse::yes : AffineUse::no; }
     void collect(const Rig& rig);
     void classify();
     int control_at(const std::complex<double>& v) const;
     MlsMoments moments(const Curve& curve, const std::complex<double>& v) const;
-    MlsFit::Map map_of(const MlsFit& fit, Fitted kind) const;
     std::vector<Moved> moved_discs(const Targets& targets, const Pose& pose) const;
     std::complex<double> direction_at(std::size_t disc, const std::vector<Moved>& moved, const Targets& targets) const;
     MlsFit fit_at(const std::complex<double>& v, const MlsMoments* curves, const std::vector<Moved>& moved,
                   const Targets& targets) const;
-    double largest_error(const std::vector<Moved>& moved, const Targets& targets, Fitted kind) const;
+    double largest_error(const std::vector<Moved>& moved, const Targets& targets, MlsFit::Kind kind) const;
     std::vector<std::string> warnings(const Pose& pose) const;
 
     Method method_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 namespace puppetwarp {
 
@@ -43,9 +45,9 @@ void MovingLeastSquaresDeformer::collect(const Rig& rig) {
         const auto& shape = rig.handles[h].shape;
         const auto handle = static_cast<int>(h);
         if (const auto* point = std::get_if<PointHandle>(&shape)) {
-            discs_.push_back({handle, complex_of(point->at), point->radius_px.value_or(default_disc_share * size_)});
+            add_disc(handle, complex_of(point->at), point->radius_px.value_or(default_disc_share * size_));
         } else if (const auto* vertex = std::get_if<VertexHandle>(&shape)) {
-            discs_.push_back({handle, rest_(vertex->index), default_disc_share * size_});
+            add_disc(handle, rest_(vertex->index), default_disc_share * size_);
         } else if (const auto* bone = std::get_if<BoneHandle>(&shape)) {
             curves_.push_back({handle, {complex_of(bone->from), complex_of(bone->to)}});
         } else if (const auto* region = std::get_if<RegionHandle>(&shape)) {
@@ -59,6 +61,15 @@ void MovingLeastSquaresDeformer::collect(const Rig& rig) {
             curves_.push_back(outline);
         }
     }
+}
+
+void MovingLeastSquaresDeformer::add_disc(int handle, const Complex& at, double radius_px) {
+    for (Disc& disc : discs_) {
+        if (std::abs(disc.at - at) > one_vertex * size_) continue;
+        disc.handles.push_back(handle);
+        return;
+    }
+    discs_.push_back({{handle}, at, radius_px});
 }
 
 // Whether the handles lie in one place, or on one line.
@@ -79,7 +90,7 @@ void MovingLeastSquaresDeformer::classify() {
 int MovingLeastSquaresDeformer::control_at(const Complex& v) const {
     const double near = one_vertex * size_;
     for (const Disc& disc : discs_) {
-        if (std::abs(disc.at - v) <= near) return disc.handle;
+        if (std::abs(disc.at - v) <= near) return disc.handles.front();
     }
     for (const Curve& curve : curves_) {
         for (std::size_t i = 1; i < curve.points.size(); ++i) {
@@ -142,35 +153,40 @@ Complex MovingLeastSquaresDeformer::direction_at(std::size_t disc, const std::ve
     return std::abs(sum) > 0 ? sum / std::abs(sum) : Complex(1);
 }
 
+const HandlePose* MovingLeastSquaresDeformer::pose_of(int handle, const Pose& pose) const {
+    const auto found = pose.handles.find(rig_.handles[static_cast<std::size_t>(handle)].id);
+    return found == pose.handles.end() ? nullptr : &found->second;
+}
+
 std::vector<MovingLeastSquaresDeformer::Moved> MovingLeastSquaresDeformer::moved_discs(const Targets& targets,
                                                                                        const Pose& pose) const {
     std::vector<Moved> moved;
-    std::vector<std::size_t> scaled;
+    std::vector<std::pair<std::size_t, double>> scaled;
     for (std::size_t d = 0; d < discs_.size(); ++d) {
-        const AffineMap& map = targets.maps[static_cast<std::size_t>(discs_[d].handle)];
-        moved.push_back({map(discs_[d].at) - discs_[d].at, 0, 0, false});
-        const auto found = pose.handles.find(rig_.handles[static_cast<std::size_t>(discs_[d].handle)].id);
-        if (found == pose.handles.end()) continue;
-        const HandlePose& target = found->second;
-        if (target.to && !target.affine) moved[d].move = complex_of(*target.to) - discs_[d].at;
-        if (target.rotate_rad || target.affine) {
-            const double scale = method_ == Method::mls_rigid ? std::abs(map.alpha) : 1;
-            moved[d].turned = true;
-            moved[d].turn = map.alpha / scale - 1.0;
-            moved[d].shear = map.beta;
-        } else if (target.scale && method_ != Method::mls_rigid) {
-            scaled.push_back(d);
+        Moved now;
+        std::optional<double> scale;
+        for (const int handle : discs_[d].handles) {
+            const AffineMap& map = targets.maps[static_cast<std::size_t>(handle)];
+            now.move = map(discs_[d].at) - discs_[d].at;
+            const HandlePose* target = pose_of(handle, pose);
+            if (target == nullptr) continue;
+            if (target->to) now.move = complex_of(*target->to) - discs_[d].at;
+            if (target->scale) scale = target->scale;
+            if (!target->rotate_rad && !target->affine) continue;
+            now.turned = true;
+            now.turn = map.alpha - 1.0;
+            now.shear = map.beta;
+            if (method_ == Method::mls_rigid) now.turn = map.alpha / std::abs(map.alpha) - 1.0;
         }
+        if (scale && !now.turned && method_ != Method::mls_rigid) scaled.emplace_back(d, *scale);
+        moved.push_back(now);
     }
     // All from the field without scales, so that their order does not matter.
     std::vector<Complex> turns;
-    for (const std::size_t d : scaled) {
-        const auto& target = pose.handles.at(rig_.handles[static_cast<std::size_t>(discs_[d].handle)].id);
-        turns.push_back(*target.scale * direction_at(d, moved, targets));
-    }
+    for (const auto& [d, scale] : scaled) turns.push_back(scale * direction_at(d, moved, targets));
     for (std::size_t i = 0; i < scaled.size(); ++i) {
-        moved[scaled[i]].turned = true;
-        moved[scaled[i]].turn = turns[i] - 1.0;
+        moved[scaled[i].first].turned = true;
+        moved[scaled[i].first].turn = turns[i] - 1.0;
     }
     return moved;
 }
@@ -205,7 +221,6 @@ std::vector<std::string> MovingLeastSquaresDeformer::warnings(const Pose& pose) 
     for (const Handle& handle : rig_.handles) {
         const auto target = pose.handles.find(handle.id);
         if (target == pose.handles.end() || target->second.scale.value_or(1) == 1) continue;
-        if (!std::holds_alternative<PointHandle>(handle.shape)) continue;
         found.push_back("handle '" + handle.id + "': 'mls-rigid' cannot scale, its scale has no effect");
     }
     return found;

@@ -26,8 +26,8 @@ public:
     Deformation deform(const Pose& pose, const Eigen::MatrixX2d* start, Progress& progress) const override;
 
 private:
-    struct Disc {  // a point, or a vertex
-        int handle;
+    struct Disc {                  // a point, or a vertex
+        std::vector<int> handles;  // all that are in this place: it weighs once
         std::complex<double> at;
         double radius_px;
     };
@@ -44,6 +44,7 @@ private:
 
     AffineUse affine_use() const { return method_ == Method::mls_affine ? AffineUse::yes : AffineUse::no; }
     void collect(const Rig& rig);
+    void add_disc(int handle, const std::complex<double>& at, double radius_px);
     void classify();
     int control_at(const std::complex<double>& v) const;
     MlsMoments moments(const Curve& curve, const std::complex<double>& v) const;
@@ -52,6 +53,7 @@ private:
     MlsFit fit_at(const std::complex<double>& v, const MlsMoments* curves, const std::vector<Moved>& moved,
                   const Targets& targets) const;
     double largest_error(const std::vector<Moved>& moved, const Targets& targets, MlsFit::Kind kind) const;
+    const HandlePose* pose_of(int handle, const Pose& pose) const;
     std::vector<std::string> warnings(const Pose& pose) const;
 
     Method method_;

@@ -23,7 +23,7 @@ constexpr double round_off = 1e-14;
 constexpr double rank_threshold = 1e-13;
 // Modes that move means by less than this share of what others do move none.
 constexpr double idle = 1e-7;
-constexpr int refinements = 2;
+constexpr int preparing_passes = 3;
 
 ComplexRow times(const ComplexRow& row, double factor) {
     ComplexRow result = row;
@@ -221,6 +221,18 @@ Eigen::VectorXcd HeldQuadratic::load_of(const ComplexRow& row) const {
     return load;
 }
 
+// Of multipliers on the means.
+Eigen::VectorXcd HeldQuadratic::load_of(const Eigen::VectorXcd& multipliers) const {
+    Eigen::VectorXcd load = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(free_.size()));
+    for (std::size_t h = 0; h < means_.size(); ++h) {
+        for (const auto& [vertex, coefficient] : means_[h]) {
+            const int i = slot_[static_cast<std::size_t>(vertex)];
+            if (i >= 0) load(i) += std::conj(coefficient) * multipliers(static_cast<Eigen::Index>(h));
+        }
+    }
+    return load;
+}
+
 Complex HeldQuadratic::free_value(const ComplexRow& row, const Eigen::VectorXcd& u) const {
     Complex sum = 0;
     for (const auto& [vertex, coefficient] : row) {
@@ -251,24 +263,12 @@ Eigen::VectorXcd HeldQuadratic::inverse(Eigen::VectorXcd load) const {
     return load;
 }
 
-// Once more for what the first answer left: so that errors grow with the condition of B, not of A = B^H B.
-Eigen::VectorXcd HeldQuadratic::refined_inverse(const Eigen::VectorXcd& load) const {
-    Eigen::VectorXcd u = inverse(load);
-    for (int pass = 0; pass < refinements; ++pass) {
-        Eigen::VectorXcd x = Eigen::VectorXcd::Zero(rest_.size());
-        add(u, x);
-        const Eigen::VectorXcd answered = form_.product(x);
-        u += inverse(load - answered(free_));
-    }
-    return u;
-}
-
 // Answers to loads on the means, and the modes.
 Eigen::MatrixXcd HeldQuadratic::mean_answers() const {
     const auto m = static_cast<Eigen::Index>(means_.size());
     const auto k = static_cast<Eigen::Index>(modes_.size());
     Eigen::MatrixXcd fields = Eigen::MatrixXcd::Zero(static_cast<Eigen::Index>(free_.size()), m + k);
-    for (Eigen::Index h = 0; h < m; ++h) fields.col(h) = refined_inverse(load_of(means_[static_cast<std::size_t>(h)]));
+    for (Eigen::Index h = 0; h < m; ++h) fields.col(h) = inverse(load_of(means_[static_cast<std::size_t>(h)]));
     for (Eigen::Index i = 0; i < k; ++i) {
         const Mode& mode = modes_[static_cast<std::size_t>(i)];
         fields.col(m + i)(mode.free) = mode.value;
@@ -291,15 +291,34 @@ void HeldQuadratic::prepare_fields() {
     Eigen::MatrixXcd means(m, m + k);
     for (Eigen::Index i = 0; i < m + k; ++i) means.col(i) = means_of(fields.col(i));
     const MeanSystem system(means);
-    mean_fields_ = fields * system.solve(Eigen::MatrixXcd::Identity(m + k, m));
-
+    // The field of a load and given means. Passes take away what round-off left of the equations, so that errors grow
+    // with the condition of B, not of A = B^H B.
+    const auto prepare = [&](const Eigen::VectorXcd& load, const Eigen::VectorXcd& wanted, auto field,
+                             auto multipliers) {
+        Eigen::VectorXcd x = Eigen::VectorXcd::Zero(rest_.size());
+        multipliers = Eigen::VectorXcd::Zero(m);
+        for (int pass = 0; pass < preparing_passes; ++pass) {
+            const Eigen::VectorXcd missing = load + load_of(multipliers) - form_.product(x)(free_);
+            const Eigen::VectorXcd u = inverse(missing);
+            Eigen::VectorXcd b(m + k);
+            b << wanted - means_of(x(free_)) - means_of(u), -(fields.rightCols(k).adjoint() * missing);
+            const Eigen::VectorXcd shares = system.solve(b);
+            multipliers += shares.head(m);
+            add(u + fields * shares, x);
+        }
+        field = x(free_);
+    };
+    mean_fields_.resize(fields.rows(), m);
+    mean_multipliers_.resize(m, m);
+    const Eigen::VectorXcd nothing = Eigen::VectorXcd::Zero(fields.rows());
+    for (Eigen::Index h = 0; h < m; ++h) {
+        prepare(nothing, Eigen::VectorXcd::Unit(m, h), mean_fields_.col(h), mean_multipliers_.col(h));
+    }
     row_fields_.resize(fields.rows(), t);
+    row_multipliers_.resize(m, t);
     for (Eigen::Index i = 0; i < t; ++i) {
-        const Eigen::VectorXcd load = load_of(rows_[static_cast<std::size_t>(i)].entries);
-        const Eigen::VectorXcd u = refined_inverse(load);
-        Eigen::VectorXcd b(m + k);
-        b << -means_of(u), -(fields.rightCols(k).adjoint() * load);
-        row_fields_.col(i) = u + fields * system.solve(b);
+        prepare(load_of(rows_[static_cast<std::size_t>(i)].entries), Eigen::VectorXcd::Zero(m), row_fields_.col(i),
+                row_multipliers_.col(i));
     }
     idle_fields_ = fields.rightCols(k) * null_space(means.rightCols(k));
 
@@ -350,32 +369,49 @@ void HeldQuadratic::add(const Eigen::VectorXcd& u, Eigen::VectorXcd& x) const {
     for (std::size_t i = 0; i < free_.size(); ++i) x(free_[i]) += u(static_cast<Eigen::Index>(i));
 }
 
-void HeldQuadratic::step(const HeldGoals& goals, const Eigen::VectorXcd* load, Eigen::VectorXcd& x) const {
-    Eigen::VectorXcd push = load != nullptr ? *load : Eigen::VectorXcd();
-    if (!vertices_.empty()) {
-        Eigen::VectorXcd moved = Eigen::VectorXcd::Zero(x.size());
-        for (std::size_t k = 0; k < vertices_.size(); ++k) {
-            moved(vertices_[k]) = goals.vertices(static_cast<Eigen::Index>(k)) - x(vertices_[k]);
-            x(vertices_[k]) = goals.vertices(static_cast<Eigen::Index>(k));
-        }
-        push =
-            load != nullptr ? Eigen::VectorXcd(push - form_.product(moved)) : Eigen::VectorXcd(-form_.product(moved));
-    }
-    if (free_.empty()) return;
-    if (push.size() > 0) add(inverse(push(free_)), x);
+// Brings the means and rows of x to their goals; returns the push of these constraints on the unknowns.
+Eigen::VectorXcd HeldQuadratic::meet_goals(const HeldGoals& goals, Eigen::VectorXcd& x) const {
+    Eigen::VectorXcd multipliers = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(means_.size()));
     // What round-off leaves of the means is met by another pass, where it is more than round-off of the positions.
-    for (int pass = 0; pass < 2; ++pass) {
+    for (int pass = 0; pass < 2 && !means_.empty(); ++pass) {
         const Eigen::VectorXcd missing = missing_means(goals, x);
-        if (missing.size() == 0 || missing.lpNorm<Eigen::Infinity>() <= round_off * size_) break;
+        if (missing.lpNorm<Eigen::Infinity>() <= round_off * size_) break;
         add(mean_fields_ * missing, x);
+        multipliers += mean_multipliers_ * missing;
     }
-    if (goals.rows.empty()) return;
+    if (goals.rows.empty()) return load_of(multipliers);
     Eigen::VectorXcd values(static_cast<Eigen::Index>(rows_.size()));
     for (std::size_t i = 0; i < rows_.size(); ++i) {
         values(static_cast<Eigen::Index>(i)) = row_value(rows_[i].entries, x);
     }
     const RowSteps steps = meet(goals.rows, values, row_response_, idle_response_);
     add(row_fields_ * steps.multipliers + idle_fields_ * steps.modes, x);
+    Eigen::VectorXcd push = load_of(multipliers + row_multipliers_ * steps.multipliers);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        if (const Complex share = steps.multipliers(static_cast<Eigen::Index>(i)); share != 0.0) {
+            push += share * load_of(rows_[i].entries);
+        }
+    }
+    return push;
+}
+
+void HeldQuadratic::step(const HeldGoals& goals, const Eigen::VectorXcd* load, Eigen::VectorXcd& x, int passes) const {
+    const Eigen::VectorXcd from = x;
+    for (std::size_t k = 0; k < vertices_.size(); ++k) {
+        x(vertices_[k]) = goals.vertices(static_cast<Eigen::Index>(k));
+    }
+    if (free_.empty()) return;
+    if (load == nullptr && vertices_.empty()) {
+        meet_goals(goals, x);
+        return;
+    }
+    Eigen::VectorXcd push = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(free_.size()));
+    if (load != nullptr) push = (*load)(free_);
+    for (int pass = 0; pass < passes; ++pass) {
+        const Eigen::VectorXcd moved = x - from;
+        add(inverse(push - form_.product(moved)(free_)), x);
+        push += meet_goals(goals, x);
+    }
 }
 
 double HeldQuadratic::largest_error(const HeldGoals& goals, const Eigen::VectorXcd& x) const {

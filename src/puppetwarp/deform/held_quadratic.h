@@ -53,14 +53,13 @@ public:
     //! Takes x to the minimum of u^H A u - 2 Re(load^H u) over the steps u that meet the goals.
     //! \param x     #V.
     //! \param load  #V, or null for 0; must not push on what costs nothing.
-    void step(const HeldGoals& goals, const Eigen::VectorXcd* load, Eigen::VectorXcd& x) const;
+    //! \param passes  further ones take away what round-off left, where held vertices or a load are solved for.
+    void step(const HeldGoals& goals, const Eigen::VectorXcd* load, Eigen::VectorXcd& x, int passes = 1) const;
 
     //! The largest distance of what is held from its goal, px.
     double largest_error(const HeldGoals& goals, const Eigen::VectorXcd& x) const;
     //! \throw InvalidInput  the goals are missed by more than round-off: they contradict each other.
     double require_met(const HeldGoals& goals, const Eigen::VectorXcd& x, const std::string& pose) const;
-
-    bool holds_vertices() const { return !vertices_.empty(); }
 
 private:
     struct Row {
@@ -83,9 +82,10 @@ private:
     Eigen::VectorXcd means_of(const Eigen::VectorXcd& u) const;
     void prepare_fields();
     Eigen::VectorXcd load_of(const ComplexRow& row) const;
+    Eigen::VectorXcd load_of(const Eigen::VectorXcd& multipliers) const;
     std::complex<double> free_value(const ComplexRow& row, const Eigen::VectorXcd& u) const;
     Eigen::VectorXcd inverse(Eigen::VectorXcd load) const;
-    Eigen::VectorXcd refined_inverse(const Eigen::VectorXcd& load) const;
+    Eigen::VectorXcd meet_goals(const HeldGoals& goals, Eigen::VectorXcd& x) const;
     Eigen::VectorXcd missing_means(const HeldGoals& goals, const Eigen::VectorXcd& x) const;
     void add(const Eigen::VectorXcd& u, Eigen::VectorXcd& x) const;
 
@@ -101,9 +101,11 @@ private:
     std::optional<CholeskyFactor> factor_;
     std::vector<ComplexRow> means_;
     std::vector<Row> rows_;
-    Eigen::MatrixXcd mean_fields_;  // #free x #means
-    Eigen::MatrixXcd row_fields_;   // #free x #rows
-    Eigen::MatrixXcd idle_fields_;  // #free x what costs nothing and moves no mean
+    Eigen::MatrixXcd mean_fields_;       // #free x #means
+    Eigen::MatrixXcd row_fields_;        // #free x #rows
+    Eigen::MatrixXcd mean_multipliers_;  // #means x #means: on the means, that hold such a field
+    Eigen::MatrixXcd row_multipliers_;   // #means x #rows: the same
+    Eigen::MatrixXcd idle_fields_;       // #free x what costs nothing and moves no mean
     Eigen::MatrixXcd row_response_;
     Eigen::MatrixXcd idle_response_;
 };

@@ -4,6 +4,13 @@
 
 namespace puppetwarp {
 
+namespace {
+
+// The second takes away what the condition of the normal equations costs.
+constexpr int passes = 2;
+
+}  // namespace
+
 LinearLaplacianDeformer::LinearLaplacianDeformer(Method method, const TriangleMesh& mesh, const Rig& rig)
     : method_(method),
       mesh_(mesh),
@@ -24,11 +31,7 @@ Deformation LinearLaplacianDeformer::deform(const Pose& pose, const Eigen::Matri
     // Starting from what costs nothing leaves less to round-off, and only held vertices bring a load.
     const MotionKind kind = similar() ? MotionKind::similarity : MotionKind::translation;
     Eigen::VectorXcd x = ReferenceMotion(kind, binding_, targets, component_, rest_).applied(rest_);
-    quadratic_.step(goals, nullptr, x);
-    if (quadratic_.holds_vertices()) {
-        const Eigen::VectorXcd load = energy_.load(x);
-        quadratic_.step(goals, &load, x);
-    }
+    quadratic_.step(goals, nullptr, x, passes);
     Deformation result;
     result.V = point_positions(x);
     result.max_handle_error_px = quadratic_.require_met(goals, x, pose.name);

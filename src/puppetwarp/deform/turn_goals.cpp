@@ -52,6 +52,8 @@ RowSteps solve(const std::vector<Equation>& equations, const Eigen::VectorXcd& f
                const Eigen::MatrixXcd& modes) {
     const auto count = static_cast<Eigen::Index>(equations.size());
     const Eigen::Index size = count + 2 * modes.cols();
+    RowSteps steps{Eigen::VectorXcd::Zero(f0.size()), Eigen::VectorXcd::Zero(modes.cols())};
+    if (count == 0) return steps;
     Eigen::MatrixXd saddle = Eigen::MatrixXd::Zero(size, size);
     Eigen::VectorXd b = Eigen::VectorXd::Zero(size);
     for (Eigen::Index i = 0; i < count; ++i) {
@@ -71,16 +73,16 @@ RowSteps solve(const std::vector<Equation>& equations, const Eigen::VectorXcd& f
     for (Eigen::Index i = 0; i < count; ++i) {
         if (saddle(i, i) > 0) scale(i) = 1 / std::sqrt(saddle(i, i));
     }
-    for (Eigen::Index k = count; k < size; ++k) {
-        const double length = saddle.col(k).head(count).cwiseProduct(scale.head(count)).norm();
-        if (length > 0) scale(k) = 1 / length;
+    // One for both parts of a mode: the least of all solutions then favours no direction.
+    for (Eigen::Index k = count; k < size; k += 2) {
+        const double length = (scale.head(count).asDiagonal() * saddle.block(0, k, count, 2)).norm();
+        if (length > 0) scale(k) = scale(k + 1) = 1 / length;
     }
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
     solver.setThreshold(rank_threshold);
     solver.compute(scale.asDiagonal() * saddle * scale.asDiagonal());
     const Eigen::VectorXd y = scale.cwiseProduct(solver.solve(scale.cwiseProduct(b)));
 
-    RowSteps steps{Eigen::VectorXcd::Zero(f0.size()), Eigen::VectorXcd::Zero(modes.cols())};
     for (Eigen::Index i = 0; i < count; ++i) {
         const Equation& at = equations[static_cast<std::size_t>(i)];
         steps.multipliers(at.row) += y(i) * at.direction;

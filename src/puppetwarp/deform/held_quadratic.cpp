@@ -24,6 +24,7 @@ constexpr double rank_threshold = 1e-13;
 // Modes that move means by less than this share of what others do move none.
 constexpr double idle = 1e-7;
 constexpr int preparing_passes = 3;
+constexpr Eigen::Index few_means = 32;
 
 ComplexRow times(const ComplexRow& row, double factor) {
     ComplexRow result = row;
@@ -63,9 +64,10 @@ public:
         solver_.compute(scale_.asDiagonal() * saddle * scale_.asDiagonal());
     }
 
-    Eigen::MatrixXcd solve(const Eigen::MatrixXcd& b) const {
-        if (scale_.size() == 0) return b;
-        return scale_.asDiagonal() * solver_.solve(Eigen::MatrixXcd(scale_.asDiagonal() * b));
+    // What solves it, as a matrix: there are many right-hand sides.
+    Eigen::MatrixXcd inverse() const {
+        if (scale_.size() == 0) return Eigen::MatrixXcd(0, 0);
+        return scale_.asDiagonal() * solver_.pseudoInverse() * scale_.asDiagonal();
     }
 
 private:
@@ -290,7 +292,12 @@ void HeldQuadratic::prepare_fields() {
     const Eigen::MatrixXcd fields = mean_answers();
     Eigen::MatrixXcd means(m, m + k);
     for (Eigen::Index i = 0; i < m + k; ++i) means.col(i) = means_of(fields.col(i));
-    const MeanSystem system(means);
+    const Eigen::MatrixXcd system = MeanSystem(means).inverse();
+    // Of multipliers and shares of modes: a product with all fields while these are few.
+    const auto answer = [&](const Eigen::VectorXcd& shares) -> Eigen::VectorXcd {
+        if (m <= few_means) return fields * shares;
+        return inverse(load_of(Eigen::VectorXcd(shares.head(m)))) + fields.rightCols(k) * shares.tail(k);
+    };
     // The field of a load and given means. Passes take away what round-off left of the equations, so that errors grow
     // with the condition of B, not of A = B^H B.
     const auto prepare = [&](const Eigen::VectorXcd& load, const Eigen::VectorXcd& wanted, auto field,
@@ -302,9 +309,9 @@ void HeldQuadratic::prepare_fields() {
             const Eigen::VectorXcd u = inverse(missing);
             Eigen::VectorXcd b(m + k);
             b << wanted - means_of(x(free_)) - means_of(u), -(fields.rightCols(k).adjoint() * missing);
-            const Eigen::VectorXcd shares = system.solve(b);
+            const Eigen::VectorXcd shares = system * b;
             multipliers += shares.head(m);
-            add(u + fields * shares, x);
+            add(u + answer(shares), x);
         }
         field = x(free_);
     };

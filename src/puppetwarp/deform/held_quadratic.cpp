@@ -87,13 +87,13 @@ Eigen::MatrixXcd null_space(const Eigen::MatrixXcd& columns) {
 
 }  // namespace
 
-QuadraticForm squared_norm(QuadraticForm::Matrix B, QuadraticForm::NullSpace null_space) {
+QuadraticForm squared_norm(const QuadraticForm::Matrix& B, QuadraticForm::NullSpace null_space) {
     const QuadraticForm::Matrix adjoint = B.adjoint();
     QuadraticForm form;
     form.A = adjoint * B;
     form.A.makeCompressed();
     form.null_space = null_space;
-    form.product = [adjoint, B = std::move(B)](const Eigen::VectorXcd& x) -> Eigen::VectorXcd {
+    form.product = [adjoint, B](const Eigen::VectorXcd& x) -> Eigen::VectorXcd {
         const Eigen::VectorXcd y = B * x;
         return adjoint * y;
     };
@@ -105,8 +105,9 @@ HeldQuadratic::HeldQuadratic(QuadraticForm form, const TriangleMesh& mesh, const
     for (Eigen::Index k = 0; k < form_.A.nonZeros() && real_; ++k) real_ = form_.A.valuePtr()[k].imag() == 0;
     find_unknowns(binding);
     find_modes(vertex_components(mesh));
-    factorise();
     prepare_rows(binding, affine);
+    if (form_.null_space == QuadraticForm::NullSpace::similarities) keep_idle_modes();
+    factorise();
     prepare_fields();
 }
 
@@ -166,8 +167,53 @@ void HeldQuadratic::add_modes(const std::vector<int>& free, const std::vector<in
     modes_.push_back({free, arm / arm.norm()});
 }
 
+// Leaves only modes that move no mean: means are stiff then, and hold the others.
+void HeldQuadratic::keep_idle_modes() {
+    std::vector<Mode> idle_modes;
+    grounds_.clear();
+    for (std::size_t first = 0; first < modes_.size();) {
+        std::size_t end = first + 1;
+        while (end < modes_.size() && modes_[end].free == modes_[first].free) ++end;
+        const std::vector<int>& free = modes_[first].free;
+        Eigen::MatrixXcd values(static_cast<Eigen::Index>(free.size()), static_cast<Eigen::Index>(end - first));
+        Eigen::MatrixXcd means(static_cast<Eigen::Index>(means_.size()), values.cols());
+        for (Eigen::Index i = 0; i < values.cols(); ++i) {
+            values.col(i) = modes_[first + static_cast<std::size_t>(i)].value;
+            Eigen::VectorXcd u = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(free_.size()));
+            u(free) = values.col(i);
+            means.col(i) = means_of(u);
+        }
+        const Eigen::MatrixXcd kept = values * null_space(means);
+        for (Eigen::Index i = 0; i < kept.cols(); ++i) {
+            Eigen::Index farthest_moved = 0;
+            kept.col(i).cwiseAbs().maxCoeff(&farthest_moved);
+            grounds_.push_back(free[static_cast<std::size_t>(farthest_moved)]);
+            idle_modes.push_back({free, kept.col(i)});
+        }
+        first = end;
+    }
+    modes_ = std::move(idle_modes);
+}
+
+// mean_stiffness_ times |mean|^2; the weights of means are real.
+void HeldQuadratic::add_stiffness(const ComplexRow& mean, int parts,
+                                  std::vector<Eigen::Triplet<double>>& entries) const {
+    for (const auto& [row, first] : mean) {
+        for (const auto& [column, second] : mean) {
+            const int i = slot_[static_cast<std::size_t>(row)], j = slot_[static_cast<std::size_t>(column)];
+            if (j < 0 || i < j) continue;
+            for (int part = 0; part < parts; ++part) {
+                entries.emplace_back(parts * i + part, parts * j + part,
+                                     mean_stiffness_ * first.real() * second.real());
+            }
+        }
+    }
+}
+
 // A over the unknowns, with as much added at the grounds as makes it definite. For loads that push no mode its inverse
-// then is one of A itself, however much is added. A complex matrix is factored as the real one of (Re, Im) pairs.
+// then is one of A itself, however much is added. What nearly costs nothing, as affine maps where similarities are
+// free, would make the answers to loads on different means too much alike to tell apart: there the means themselves get
+// a stiffness, which changes nothing once they are met. A complex matrix is factored as the real one of (Re, Im) pairs.
 void HeldQuadratic::factorise() {
     if (free_.empty()) return;
     const int parts = real_ ? 1 : 2;
@@ -187,10 +233,14 @@ void HeldQuadratic::factorise() {
             if (i > j) entries.emplace_back(2 * i, 2 * j + 1, -it.value().imag());
         }
     }
+    const double typical = trace / static_cast<double>(free_.size());
+    if (form_.null_space == QuadraticForm::NullSpace::similarities) {
+        mean_stiffness_ = typical;
+        for (const ComplexRow& mean : means_) add_stiffness(mean, parts, entries);
+    }
     for (const int ground : grounds_) {
         for (int part = 0; part < parts; ++part) {
-            entries.emplace_back(parts * ground + part, parts * ground + part,
-                                 trace / static_cast<double>(free_.size()));
+            entries.emplace_back(parts * ground + part, parts * ground + part, typical);
         }
     }
     const auto size = parts * static_cast<Eigen::Index>(free_.size());
@@ -287,16 +337,17 @@ Eigen::VectorXcd HeldQuadratic::means_of(const Eigen::VectorXcd& u) const {
 void HeldQuadratic::prepare_fields() {
     if (free_.empty()) return;
     const auto m = static_cast<Eigen::Index>(means_.size());
-    const auto k = static_cast<Eigen::Index>(modes_.size());
     const auto t = static_cast<Eigen::Index>(rows_.size());
     const Eigen::MatrixXcd fields = mean_answers();
+    // Modes that stiff means leave over move none of these.
+    const Eigen::Index k = mean_stiffness_ > 0 ? 0 : fields.cols() - m;
     Eigen::MatrixXcd means(m, m + k);
     for (Eigen::Index i = 0; i < m + k; ++i) means.col(i) = means_of(fields.col(i));
     const Eigen::MatrixXcd system = MeanSystem(means).inverse();
     // Of multipliers and shares of modes: a product with all fields while these are few.
     const auto answer = [&](const Eigen::VectorXcd& shares) -> Eigen::VectorXcd {
-        if (m <= few_means) return fields * shares;
-        return inverse(load_of(Eigen::VectorXcd(shares.head(m)))) + fields.rightCols(k) * shares.tail(k);
+        if (m <= few_means) return fields.leftCols(m + k) * shares;
+        return inverse(load_of(Eigen::VectorXcd(shares.head(m)))) + fields.middleCols(m, k) * shares.tail(k);
     };
     // The field of a load and given means. Passes take away what round-off left of the equations, so that errors grow
     // with the condition of B, not of A = B^H B.
@@ -308,10 +359,11 @@ void HeldQuadratic::prepare_fields() {
             const Eigen::VectorXcd missing = load + load_of(multipliers) - form_.product(x)(free_);
             const Eigen::VectorXcd u = inverse(missing);
             Eigen::VectorXcd b(m + k);
-            b << wanted - means_of(x(free_)) - means_of(u), -(fields.rightCols(k).adjoint() * missing);
+            b << wanted - means_of(x(free_)) - means_of(u), -(fields.middleCols(m, k).adjoint() * missing);
             const Eigen::VectorXcd shares = system * b;
-            multipliers += shares.head(m);
-            add(u + answer(shares), x);
+            const Eigen::VectorXcd change = u + answer(shares);
+            multipliers += shares.head(m) - mean_stiffness_ * means_of(change);
+            add(change, x);
         }
         field = x(free_);
     };
@@ -327,7 +379,8 @@ void HeldQuadratic::prepare_fields() {
         prepare(load_of(rows_[static_cast<std::size_t>(i)].entries), Eigen::VectorXcd::Zero(m), row_fields_.col(i),
                 row_multipliers_.col(i));
     }
-    idle_fields_ = fields.rightCols(k) * null_space(means.rightCols(k));
+    idle_fields_ = fields.rightCols(fields.cols() - m);
+    if (mean_stiffness_ == 0) idle_fields_ *= null_space(means.rightCols(k));
 
     row_response_.resize(t, t);
     idle_response_.resize(t, idle_fields_.cols());
@@ -416,8 +469,9 @@ void HeldQuadratic::step(const HeldGoals& goals, const Eigen::VectorXcd* load, E
     if (load != nullptr) push = (*load)(free_);
     for (int pass = 0; pass < passes; ++pass) {
         const Eigen::VectorXcd moved = x - from;
-        add(inverse(push - form_.product(moved)(free_)), x);
-        push += meet_goals(goals, x);
+        const Eigen::VectorXcd change = inverse(push - form_.product(moved)(free_));
+        add(change, x);
+        push += meet_goals(goals, x) - load_of(Eigen::VectorXcd(mean_stiffness_ * means_of(change)));
     }
 }
 

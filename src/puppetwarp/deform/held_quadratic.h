@@ -27,7 +27,7 @@ struct QuadraticForm {
 };
 
 //! |B x|^2 of a sparse B.
-QuadraticForm squared_norm(QuadraticForm::Matrix B, QuadraticForm::NullSpace null_space);
+QuadraticForm squared_norm(const QuadraticForm::Matrix& B, QuadraticForm::NullSpace null_space);
 
 //! Where all that is held goes, as values of its rows.
 struct HeldGoals {
@@ -76,6 +76,8 @@ private:
     void find_unknowns(const Binding& binding);
     void find_modes(const Eigen::VectorXi& component);
     void add_modes(const std::vector<int>& free, const std::vector<int>& held);
+    void keep_idle_modes();
+    void add_stiffness(const ComplexRow& mean, int parts, std::vector<Eigen::Triplet<double>>& entries) const;
     void factorise();
     void prepare_rows(const Binding& binding, AffineUse affine);
     Eigen::MatrixXcd mean_answers() const;
@@ -98,6 +100,7 @@ private:
     std::vector<int> vertices_;  // that are held
     std::vector<Mode> modes_;    // orthonormal: what costs nothing and no held vertex hinders
     std::vector<int> grounds_;   // unknowns, as many as modes, that together hold them
+    double mean_stiffness_ = 0;  // of each mean, in the factor only
     std::optional<CholeskyFactor> factor_;
     std::vector<ComplexRow> means_;
     std::vector<Row> rows_;

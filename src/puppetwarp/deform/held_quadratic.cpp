@@ -1,9 +1,7 @@
 #include <puppetwarp/deform/held_quadratic.h>
 
 #include <puppetwarp/base/errors.h>
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include <puppetwarp/deform/mean_system.h>
 
 #include <algorithm>
 #include <cassert>
@@ -20,9 +18,6 @@ using Complex = std::complex<double>;
 constexpr double contradiction = 1e-6;
 // What is missed by less than this share is round-off.
 constexpr double round_off = 1e-14;
-constexpr double rank_threshold = 1e-13;
-// Modes that move means by less than this share of what others do move none.
-constexpr double idle = 1e-7;
 constexpr int preparing_passes = 3;
 constexpr Eigen::Index few_means = 32;
 
@@ -40,49 +35,6 @@ int farthest(const std::vector<int>& from, const Eigen::VectorXcd& rest, const s
         if (distance(i) > distance(best)) best = i;
     }
     return best;
-}
-
-// [ means of answers   means of modes ]
-// [ of modes, adjoint  0              ] takes multipliers and shares of modes to means and pushes on modes; this solves
-// for the former. Means that depend on each other are met as far as they can be.
-class MeanSystem {
-public:
-    //! \param means  #means x (#means + #modes): of the answers to loads on the means, then of the modes.
-    explicit MeanSystem(const Eigen::MatrixXcd& means) : scale_(Eigen::VectorXd::Ones(means.cols())) {
-        const Eigen::Index m = means.rows(), size = means.cols();
-        Eigen::MatrixXcd saddle = Eigen::MatrixXcd::Zero(size, size);
-        saddle.topRows(m) = means;
-        saddle.bottomLeftCorner(size - m, m) = means.rightCols(size - m).adjoint();
-        // To similar size: answers grow with the mesh's resolution, modes do not.
-        for (Eigen::Index i = 0; i < size; ++i) {
-            const double length =
-                i < m ? std::sqrt(std::max(means(i, i).real(), 0.0)) : means.col(i).cwiseProduct(scale_.head(m)).norm();
-            if (length > 0) scale_(i) = 1 / length;
-        }
-        if (size == 0) return;
-        solver_.setThreshold(rank_threshold);
-        solver_.compute(scale_.asDiagonal() * saddle * scale_.asDiagonal());
-    }
-
-    // What solves it, as a matrix: there are many right-hand sides.
-    Eigen::MatrixXcd inverse() const {
-        if (scale_.size() == 0) return Eigen::MatrixXcd(0, 0);
-        return scale_.asDiagonal() * solver_.pseudoInverse() * scale_.asDiagonal();
-    }
-
-private:
-    Eigen::VectorXd scale_;
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXcd> solver_;
-};
-
-// Combinations of the columns that are 0: an orthonormal basis, one a column.
-Eigen::MatrixXcd null_space(const Eigen::MatrixXcd& columns) {
-    if (columns.cols() == 0) return Eigen::MatrixXcd(0, 0);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> spectrum(columns.adjoint() * columns);
-    const double largest = spectrum.eigenvalues().maxCoeff();
-    Eigen::Index count = 0;
-    while (count < columns.cols() && spectrum.eigenvalues()(count) <= idle * idle * largest) ++count;
-    return spectrum.eigenvectors().leftCols(count);
 }
 
 }  // namespace
@@ -334,6 +286,35 @@ Eigen::VectorXcd HeldQuadratic::means_of(const Eigen::VectorXcd& u) const {
     return values;
 }
 
+// What multipliers on means and shares of modes make: by a product with all fields while these are few.
+Eigen::VectorXcd HeldQuadratic::answer(const Eigen::MatrixXcd& fields, const Eigen::VectorXcd& shares) const {
+    const auto m = static_cast<Eigen::Index>(means_.size());
+    if (m <= few_means) return fields.leftCols(shares.size()) * shares;
+    return inverse(load_of(Eigen::VectorXcd(shares.head(m)))) +
+           fields.middleCols(m, shares.size() - m) * shares.tail(shares.size() - m);
+}
+
+// The field of a load and given means, and the multipliers on the means that hold it. Passes take away what round-off
+// left of the equations, so that errors grow with the condition of B, not of A = B^H B.
+// \param fields  what loads on the means answer, then modes.   \param system  inverse of the MeanSystem of these.
+HeldQuadratic::Field HeldQuadratic::field_of(const Eigen::VectorXcd& load, const Eigen::VectorXcd& means,
+                                             const Eigen::MatrixXcd& fields, const Eigen::MatrixXcd& system) const {
+    const Eigen::Index m = means.size(), modes = system.cols() - m;
+    Eigen::VectorXcd x = Eigen::VectorXcd::Zero(rest_.size());
+    Eigen::VectorXcd multipliers = Eigen::VectorXcd::Zero(m);
+    for (int pass = 0; pass < preparing_passes; ++pass) {
+        const Eigen::VectorXcd missing = load + load_of(multipliers) - form_.product(x)(free_);
+        const Eigen::VectorXcd u = inverse(missing);
+        Eigen::VectorXcd b(m + modes);
+        b << means - means_of(x(free_)) - means_of(u), -(fields.middleCols(m, modes).adjoint() * missing);
+        const Eigen::VectorXcd shares = system * b;
+        const Eigen::VectorXcd change = u + answer(fields, shares);
+        multipliers += shares.head(m) - mean_stiffness_ * means_of(change);
+        add(change, x);
+    }
+    return {x(free_), multipliers};
+}
+
 void HeldQuadratic::prepare_fields() {
     if (free_.empty()) return;
     const auto m = static_cast<Eigen::Index>(means_.size());
@@ -344,40 +325,21 @@ void HeldQuadratic::prepare_fields() {
     Eigen::MatrixXcd means(m, m + k);
     for (Eigen::Index i = 0; i < m + k; ++i) means.col(i) = means_of(fields.col(i));
     const Eigen::MatrixXcd system = MeanSystem(means).inverse();
-    // Of multipliers and shares of modes: a product with all fields while these are few.
-    const auto answer = [&](const Eigen::VectorXcd& shares) -> Eigen::VectorXcd {
-        if (m <= few_means) return fields.leftCols(m + k) * shares;
-        return inverse(load_of(Eigen::VectorXcd(shares.head(m)))) + fields.middleCols(m, k) * shares.tail(k);
-    };
-    // The field of a load and given means. Passes take away what round-off left of the equations, so that errors grow
-    // with the condition of B, not of A = B^H B.
-    const auto prepare = [&](const Eigen::VectorXcd& load, const Eigen::VectorXcd& wanted, auto field,
-                             auto multipliers) {
-        Eigen::VectorXcd x = Eigen::VectorXcd::Zero(rest_.size());
-        multipliers = Eigen::VectorXcd::Zero(m);
-        for (int pass = 0; pass < preparing_passes; ++pass) {
-            const Eigen::VectorXcd missing = load + load_of(multipliers) - form_.product(x)(free_);
-            const Eigen::VectorXcd u = inverse(missing);
-            Eigen::VectorXcd b(m + k);
-            b << wanted - means_of(x(free_)) - means_of(u), -(fields.middleCols(m, k).adjoint() * missing);
-            const Eigen::VectorXcd shares = system * b;
-            const Eigen::VectorXcd change = u + answer(shares);
-            multipliers += shares.head(m) - mean_stiffness_ * means_of(change);
-            add(change, x);
-        }
-        field = x(free_);
-    };
     mean_fields_.resize(fields.rows(), m);
     mean_multipliers_.resize(m, m);
     const Eigen::VectorXcd nothing = Eigen::VectorXcd::Zero(fields.rows());
     for (Eigen::Index h = 0; h < m; ++h) {
-        prepare(nothing, Eigen::VectorXcd::Unit(m, h), mean_fields_.col(h), mean_multipliers_.col(h));
+        const Field field = field_of(nothing, Eigen::VectorXcd::Unit(m, h), fields, system);
+        mean_fields_.col(h) = field.u;
+        mean_multipliers_.col(h) = field.multipliers;
     }
     row_fields_.resize(fields.rows(), t);
     row_multipliers_.resize(m, t);
     for (Eigen::Index i = 0; i < t; ++i) {
-        prepare(load_of(rows_[static_cast<std::size_t>(i)].entries), Eigen::VectorXcd::Zero(m), row_fields_.col(i),
-                row_multipliers_.col(i));
+        const Eigen::VectorXcd load = load_of(rows_[static_cast<std::size_t>(i)].entries);
+        const Field field = field_of(load, Eigen::VectorXcd::Zero(m), fields, system);
+        row_fields_.col(i) = field.u;
+        row_multipliers_.col(i) = field.multipliers;
     }
     idle_fields_ = fields.rightCols(fields.cols() - m);
     if (mean_stiffness_ == 0) idle_fields_ *= null_space(means.rightCols(k));

@@ -72,6 +72,10 @@ private:
         std::vector<int> free;  // the unknowns of one component
         Eigen::VectorXcd value;
     };
+    struct Field {
+        Eigen::VectorXcd u;            // of the unknowns
+        Eigen::VectorXcd multipliers;  // on the means, that hold it
+    };
 
     void find_unknowns(const Binding& binding);
     void find_modes(const Eigen::VectorXi& component);
@@ -82,6 +86,9 @@ private:
     void prepare_rows(const Binding& binding, AffineUse affine);
     Eigen::MatrixXcd mean_answers() const;
     Eigen::VectorXcd means_of(const Eigen::VectorXcd& u) const;
+    Eigen::VectorXcd answer(const Eigen::MatrixXcd& fields, const Eigen::VectorXcd& shares) const;
+    Field field_of(const Eigen::VectorXcd& load, const Eigen::VectorXcd& means, const Eigen::MatrixXcd& fields,
+                   const Eigen::MatrixXcd& system) const;
     void prepare_fields();
     Eigen::VectorXcd load_of(const ComplexRow& row) const;
     Eigen::VectorXcd load_of(const Eigen::VectorXcd& multipliers) const;

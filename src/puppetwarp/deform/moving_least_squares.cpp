@@ -183,6 +183,7 @@ std::vector<MovingLeastSquaresDeformer::Moved> MovingLeastSquaresDeformer::moved
     }
     // All from the field without scales, so that their order does not matter.
     std::vector<Complex> turns;
+    turns.reserve(scaled.size());
     for (const auto& [d, scale] : scaled) turns.push_back(scale * direction_at(d, moved, targets));
     for (std::size_t i = 0; i < scaled.size(); ++i) {
         moved[scaled[i].first].turned = true;
@@ -202,6 +203,7 @@ double MovingLeastSquaresDeformer::largest_error(const std::vector<Moved>& moved
             move = targets.maps[static_cast<std::size_t>(control)](at) - at;
         } else {
             std::vector<MlsMoments> curves;
+            curves.reserve(curves_.size());
             for (const Curve& curve : curves_) curves.push_back(moments(curve, at));
             move = fit_at(at, curves.data(), moved, targets).solve(kind).at_centre;
         }

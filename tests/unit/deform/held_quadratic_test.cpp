@@ -62,6 +62,7 @@ TEST(TurnGoals, LengthsAreMetHoweverTheyPull) {
     f0 << Complex(1, 0), Complex(0.2, -1), Complex(-0.5, 0.3);
     for (const double length : {0.05, 0.5, 1.0, 4.0}) {
         std::vector<RowGoal> goals;
+        goals.reserve(3);
         for (int row = 0; row < 3; ++row) goals.push_back({row, RowGoal::Kind::length, Complex(length)});
         const Eigen::VectorXcd f = f0 + S * meet(goals, f0, S, none).multipliers;
         for (const RowGoal& goal : goals) EXPECT_LT(distance_to(goal, f(goal.row)), 1e-12 * length);
@@ -158,6 +159,21 @@ TEST_P(HardRigs, PointsInsideRegionsFollowThem) {
     Pose pose;
     pose.handles["region"].rotate_rad = 0.4;
     EXPECT_LT(deformed(mesh, rig, pose).max_handle_error_px, 1e-8);
+}
+
+// Discs along bones overlap: their means are nearly the same numbers.
+TEST_P(HardRigs, ManyOverlappingHoldsAreMet) {
+    namespace places = reference::figure_places;
+    const TriangleMesh mesh = reference::figure(1000, 10);
+    Rig rig = reference::rig_of_points({1000 * places::head, 1000 * places::left_foot});
+    rig.handles.push_back({"arm", BoneHandle{1000 * places::left_hand, 1000 * Point(0.42, 0.42), {}}});
+    rig.handles.push_back({"spine", BoneHandle{1000 * Point(0.5, 0.4), 1000 * Point(0.5, 0.65), {}}});
+    rig.handles.push_back({"leg", BoneHandle{1000 * places::right_foot, 1000 * Point(0.55, 0.7), {}}});
+    Pose pose;
+    pose.handles["arm"].rotate_rad = 0.4;
+    pose.handles["leg"].rotate_rad = -0.2;
+    pose.handles["p0"].scale = 1.3;
+    EXPECT_LT(deformed(mesh, rig, pose).max_handle_error_px, 1e-9);
 }
 
 TEST_P(HardRigs, SliversGiveNumbers) {

@@ -5,8 +5,11 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/output_file.h>
+#include <puppetwarp/image/read.h>
 #include <puppetwarp/mesh/mesh_file.h>
+#include <puppetwarp/project/stiffness_pictures.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -24,7 +27,7 @@ struct DeformRequest {
     std::optional<int> max_iterations;
     std::optional<double> tolerance;
     std::string output;
-    bool fail_on_fold = false;
+    GateOptions gates;
     bool force = false;
     ReportOptions report;
 };
@@ -35,6 +38,15 @@ MethodOptions method_options(const DeformRequest& request, MethodOptions options
     if (request.max_iterations) options.max_iterations = *request.max_iterations;
     if (request.tolerance) options.tolerance = *request.tolerance;
     return options;
+}
+
+// Stiffness pictures lie over the puppet's picture, which only they need here.
+Rig rig_of(const Puppet& puppet) {
+    const bool pictures = std::any_of(puppet.rig.stiffness.begin(), puppet.rig.stiffness.end(),
+                                      [](const auto& each) { return std::holds_alternative<StiffnessPicture>(each); });
+    if (!pictures || puppet.image.empty()) return load_rig(puppet, 0, 0);
+    const ImageInfo image = read_image_info(resolve(puppet, puppet.image));
+    return load_rig(puppet, image.width, image.height);
 }
 
 std::string csv_of(const Eigen::MatrixX2d& V) {
@@ -71,31 +83,31 @@ double milliseconds_since(std::chrono::steady_clock::time_point& last) {
 
 int deform_mesh(const DeformRequest& request, const GlobalOptions& global) {
     require_known_extension(request.output);
-    require_good_outputs({{request.mesh, request.rig}, {request.output, request.report.file}, request.report.json},
-                         request.force);
     auto last = std::chrono::steady_clock::now();
     RenderReport report;
     const Puppet puppet = read_puppet(request.rig);
+    std::vector<std::filesystem::path> inputs = input_files(request.rig, puppet);
+    inputs.emplace_back(request.mesh);
+    require_good_outputs({inputs, {request.output, request.report.file}, request.report.json}, request.force);
     const TriangleMesh mesh = read_mesh(request.mesh);
     if (puppet.rig.handles.empty()) throw InvalidInput(request.rig, "has no handles", "add at least one");
+    const Rig rig = rig_of(puppet);
     const Pose pose = request.pose ? find_pose(puppet, *request.pose) : default_pose(puppet);
     report.timings_ms.emplace_back("read", milliseconds_since(last));
     const MethodOptions options = method_options(request, puppet.method);
-    const std::unique_ptr<Deformer> deformer = make_deformer(options, mesh, puppet.rig);
+    const std::unique_ptr<Deformer> deformer = make_deformer(options, mesh, rig);
     report.timings_ms.emplace_back("bind", milliseconds_since(last));
     ProgressBar progress(global.quiet);
     Deformation deformation = deformer->deform(pose, nullptr, progress);
     report.timings_ms.emplace_back("deform", milliseconds_since(last));
-    describe(options, mesh, puppet.rig, deformation, report);
+    describe(options, mesh, rig, deformation, report);
     write_positions(mesh, deformation.V, request.output);
     report.timings_ms.emplace_back("write", milliseconds_since(last));
 
-    if (!report.converged && !global.quiet) {
-        print_warning(report.method + " did not converge in " + std::to_string(report.iterations) + " iterations");
-    }
+    if (!global.quiet) print_warnings(report);
     request.report.emit(report_json(report, false));
     if (global.verbose) print_timings(report);
-    return request.fail_on_fold && report.distortion.flipped_triangles > 0 ? answer_is_no : done;
+    return request.gates.hold(report.distortion) ? done : answer_is_no;
 }
 
 }  // namespace
@@ -122,7 +134,7 @@ void add_deform_command(CLI::App& app, const GlobalOptions& global, int& exit_co
     deform->add_option("--tolerance", request->tolerance, "Relative change of energy to stop at (default 1e-8)")
         ->type_name("T")
         ->check(CLI::PositiveNumber);
-    deform->add_flag("--fail-on-fold", request->fail_on_fold, "Exit 1 when a triangle is folded over");
+    request->gates.add_to(*deform);
     deform->add_flag("--force", request->force, "Let the output replace the input");
     request->report.add_to(*deform);
     deform->callback([request, &global, &exit_code] { exit_code = deform_mesh(*request, global); });

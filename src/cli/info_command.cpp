@@ -7,6 +7,7 @@
 #include <puppetwarp/image/read.h>
 #include <puppetwarp/mesh/distortion.h>
 #include <puppetwarp/mesh/mesh_file.h>
+#include <puppetwarp/project/stiffness_pictures.h>
 
 #include <array>
 #include <iostream>
@@ -81,7 +82,8 @@ Json describe_puppet(const std::string& file) {
     const TriangleMesh mesh = mesh_subject(puppet, outline_subject(puppet, image.width(), image.height(), cutout));
     json["vertices"] = mesh.V.rows();
     json["triangles"] = mesh.F.rows();
-    if (!puppet.rig.handles.empty()) make_deformer(puppet.method, mesh, puppet.rig);
+    if (!puppet.rig.handles.empty())
+        make_deformer(puppet.method, mesh, load_rig(puppet, image.width(), image.height()));
     return json;
 }
 

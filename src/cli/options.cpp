@@ -152,6 +152,10 @@ std::vector<fs::path> input_files(const fs::path& path, const Puppet& puppet) {
     for (const std::string& name : {puppet.image, puppet.cutout.path}) {
         if (!name.empty()) files.push_back(resolve(puppet, name));
     }
+    for (const Stiffness& stiffness : puppet.rig.stiffness) {
+        if (const auto* picture = std::get_if<StiffnessPicture>(&stiffness))
+            files.push_back(resolve(puppet, picture->path));
+    }
     return files;
 }
 

@@ -1,4 +1,6 @@
 #include "report.h"
+#include "options.h"
+#include "terminal.h"
 
 #include <puppetwarp/base/output_file.h>
 
@@ -51,6 +53,7 @@ Json report_json(const RenderReport& report, bool with_canvas) {
     json["max_stretch"] = finite(report.distortion.max_stretch);
     json["max_area_ratio"] = finite(report.distortion.max_area_ratio);
     json["max_handle_error_px"] = finite(report.max_handle_error_px);
+    json["warnings"] = report.warnings;
     json["canvas"] = nullptr;
     if (with_canvas) {
         const Canvas& canvas = report.canvas;
@@ -88,6 +91,28 @@ Json report_json(const Comparison& comparison) {
                                 {"height", comparison.box_height}};
     }
     return json;
+}
+
+void print_warnings(const RenderReport& report) {
+    for (const std::string& warning : report.warnings) print_warning(warning);
+    if (!report.converged) {
+        print_warning(report.method + " did not converge in " + std::to_string(report.iterations) + " iterations");
+    }
+}
+
+void GateOptions::add_to(CLI::App& subcommand) {
+    subcommand.add_flag("--fail-on-fold", fold, "Exit 1 when a triangle is folded over");
+    subcommand
+        .add_option("--fail-on-stretch", stretch, "Exit 1 when a triangle is stretched more than X times, X at least 1")
+        ->type_name("X")
+        ->check([](const std::string& text) -> std::string {
+            return parse_number(text, "--fail-on-stretch") >= 1 ? "" : "it must be at least 1";
+        });
+}
+
+bool GateOptions::hold(const Distortion& distortion) const {
+    if (fold && distortion.flipped_triangles > 0) return false;
+    return !stretch || distortion.max_stretch <= *stretch;
 }
 
 void print_timings(const RenderReport& report) {

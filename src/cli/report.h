@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace puppetwarp::cli {
@@ -24,11 +25,25 @@ struct ReportOptions {
     void emit(const Json& report) const;
 };
 
+//! What a deformation must not do, when that was asked for.
+struct GateOptions {
+    bool fold = false;
+    std::optional<double> stretch;  //!< at least 1
+
+    //! Adds `--fail-on-fold` and `--fail-on-stretch X`.
+    void add_to(CLI::App& subcommand);
+    //! Whether all that was asked for is so.
+    bool hold(const Distortion& distortion) const;
+};
+
 //! The report of `warp` and `deform`. What only a picture has (`canvas`, `lost`) appears when there is one.
 Json report_json(const RenderReport& report, bool with_canvas);
 
 //! The report of `diff`.
 Json report_json(const Comparison& comparison);
+
+//! What the report warns of, a line each on standard error.
+void print_warnings(const RenderReport& report);
 
 //! Stages with their times, for `--verbose`, on standard error.
 void print_timings(const RenderReport& report);

@@ -32,7 +32,7 @@ struct WarpRequest {
     double pin_snap_px = 0;
     int compression = WriteOptions().compression;
     int quality = WriteOptions().quality;
-    bool fail_on_fold = false;
+    GateOptions gates;
     bool strict = false;
     bool force = false;
     ReportOptions report;
@@ -69,9 +69,7 @@ void tell_what_is_lost(const WarpRequest& request, const RenderReport& report, b
 
 void warn_about_result(const RenderReport& report, bool quiet) {
     if (quiet) return;
-    if (!report.converged) {
-        print_warning(report.method + " did not converge in " + std::to_string(report.iterations) + " iterations");
-    }
+    print_warnings(report);
     if (report.distortion.flipped_triangles > 0) {
         print_warning(std::to_string(report.distortion.flipped_triangles) +
                       " triangles are folded over and not drawn (pull less, or add a pin)");
@@ -107,7 +105,7 @@ int warp_picture(const WarpRequest& request, const GlobalOptions& global) {
     rendered.report.timings_ms.emplace_back("write", writing.count());
     request.report.emit(report_json(rendered.report, true));
     if (global.verbose) print_timings(rendered.report);
-    return request.fail_on_fold && rendered.report.distortion.flipped_triangles > 0 ? answer_is_no : done;
+    return request.gates.hold(rendered.report.distortion) ? done : answer_is_no;
 }
 
 void add_method_options(CLI::App& warp, WarpRequest& request) {
@@ -163,7 +161,7 @@ void add_warp_command(CLI::App& app, const GlobalOptions& global, int& exit_code
         ->type_name("OUT");
     add_method_options(*warp, *request);
     add_picture_options(*warp, *request);
-    warp->add_flag("--fail-on-fold", request->fail_on_fold, "Exit 1 when a triangle is folded over");
+    request->gates.add_to(*warp);
     warp->add_flag("--strict", request->strict, "Exit 2 when the format cannot hold what there is");
     warp->add_flag("--force", request->force, "Let the output replace the input");
     request->report.add_to(*warp);

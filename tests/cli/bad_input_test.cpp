@@ -306,5 +306,111 @@ TEST_F(BadInput, MeshesThatAreNone) {
     expect_refused(deform("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), "v");
 }
 
+// Meshes in files that are sound to read and bad to bend: a clear error, or positions that are numbers.
+class BadMesh : public BadInput {
+protected:
+    CommandResult deform(const std::string& mesh, const std::string& handles, const std::string& targets,
+                         const std::string& method) const {
+        put_bytes(folder / "m.off", mesh);
+        put_bytes(folder / "rig.json", R"({"format": "puppetwarp", "version": 1, "handles": [)" + handles +
+                                           R"(], "poses": [{"name": "p", "handles": {)" + targets + "}}]}");
+        fs::remove(folder / "moved.csv");
+        return puppetwarp_command(
+            {"deform", folder / "m.off", "--rig", folder / "rig.json", "--method", method, "-o", folder / "moved.csv"});
+    }
+
+    // \return whether there is a result at all.
+    bool deforms_or_refuses(const std::string& mesh, const std::string& handles, const std::string& targets) const {
+        bool any = false;
+        for (const char* method : {"harmonic", "biharmonic", "arap"}) {
+            const CommandResult result = deform(mesh, handles, targets, method);
+            EXPECT_EQ(result.signal, 0) << method;
+            if (result.exit_code != 0) {
+                expect_refused(result, "");
+                continue;
+            }
+            any = true;
+            const std::string csv = bytes_of(folder / "moved.csv");
+            EXPECT_EQ(csv.find("nan"), std::string::npos) << method;
+            EXPECT_EQ(csv.find("inf"), std::string::npos) << method;
+        }
+        return any;
+    }
+
+    // n x n squares of 10 px.
+    static std::string grid(int n) {
+        std::string text = "OFF\n" + std::to_string((n + 1) * (n + 1)) + " " + std::to_string(2 * n * n) + " 0\n";
+        for (int j = 0; j <= n; ++j) {
+            for (int i = 0; i <= n; ++i) text += std::to_string(10 * i) + " " + std::to_string(10 * j) + " 0\n";
+        }
+        for (int j = 0; j < n; ++j) {
+            for (int i = 0; i < n; ++i) {
+                const int a = j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
+                text += "3 " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(d) + "\n";
+                text += "3 " + std::to_string(a) + " " + std::to_string(d) + " " + std::to_string(c) + "\n";
+            }
+        }
+        return text;
+    }
+    static std::string point(const std::string& id, const std::string& at) {
+        return R"({"id": ")" + id + R"(", "type": "point", "at": [)" + at + "]}";
+    }
+};
+
+TEST_F(BadMesh, FoldsAtRestNameTheTriangle) {
+    const std::string folded = "OFF\n5 3 0\n0 0 0\n10 0 0\n10 10 0\n0 10 0\n2 5 0\n3 0 1 2\n3 0 2 3\n3 0 2 4\n";
+    expect_refused(deform("OFF\n4 2 0\n0 0 0\n10 0 0\n10 10 0\n8 3 0\n3 0 1 2\n3 0 2 3\n",
+                          R"({"id": "v", "type": "vertex", "index": 0})", "", "arap"),
+                   "triangle ");
+    expect_refused(deform(folded, R"({"id": "v", "type": "vertex", "index": 0})", "", "arap"), "triangles 1 and 2");
+    // The one that is turned against the others is named, not the others against the first.
+    expect_refused(deform("OFF\n5 3 0\n0 0 0\n10 0 0\n10 10 0\n0 10 0\n-5 5 0\n3 2 1 0\n3 0 2 3\n3 0 3 4\n",
+                          R"({"id": "v", "type": "vertex", "index": 0})", "", "arap"),
+                   "triangle 0 is turned");
+}
+
+TEST_F(BadMesh, AnEdgeOfThreeTrianglesIsRefused) {
+    expect_refused(deform("OFF\n5 3 0\n0 0 0\n10 0 0\n5 10 0\n5 -10 0\n6 7 0\n3 0 1 2\n3 1 0 3\n3 0 1 4\n",
+                          R"({"id": "v", "type": "vertex", "index": 0})", "", "arap"),
+                   "triangles 0 and 2 lie on one side of the edge from vertex 0 to 1");
+}
+
+TEST_F(BadMesh, TwoFansAtAVertexAndTwoVerticesInOnePlaceAreBent) {
+    const std::string bow = "OFF\n5 2 0\n0 0 0\n0 10 0\n5 5 0\n10 0 0\n10 10 0\n3 0 2 1\n3 2 3 4\n";
+    EXPECT_TRUE(deforms_or_refuses(bow, point("a", "2, 5") + ", " + point("b", "8, 5"), R"("b": {"to": [9, 6]})"));
+    const std::string slit = "OFF\n6 2 0\n0 0 0\n10 0 0\n10 10 0\n0 0 0\n10 10 0\n0 10 0\n3 0 1 2\n3 3 4 5\n";
+    EXPECT_TRUE(deforms_or_refuses(slit, R"({"id": "a", "type": "vertex", "index": 0})", R"("a": {"to": [1, 0]})"));
+    EXPECT_TRUE(deforms_or_refuses(slit, R"({"id": "a", "type": "vertex", "index": 0},
+                                            {"id": "b", "type": "vertex", "index": 3})",
+                                   R"("a": {"to": [1, 0]})"));
+}
+
+TEST_F(BadMesh, SliversGiveNumbersOrAnError) {
+    for (const char* height : {"1e-2", "1e-5", "1e-8", "1e-11"}) {
+        const std::string h = height;
+        const std::string sliver = "OFF\n5 3 0\n0 0 0\n10 0 0\n5 -" + h +
+                                   " 0\n5 -10 0\n5 8 0\n"
+                                   "3 2 1 0\n3 2 0 3\n3 1 2 3\n";
+        deforms_or_refuses(sliver,
+                           R"({"id": "a", "type": "vertex", "index": 3}, {"id": "b", "type": "vertex", "index": 1})",
+                           R"("a": {"to": [7, -11]})");
+    }
+}
+
+TEST_F(BadMesh, HandlesThatSayLittleOrTooMuch) {
+    const std::string mesh = grid(8);
+    EXPECT_TRUE(deforms_or_refuses(mesh, point("a", "40, 40"), R"("a": {"to": [45, 45], "rotate_deg": 30})"));
+    EXPECT_TRUE(deforms_or_refuses(mesh, point("a", "40, 40"), R"("a": {"to": [45, 45]})"));
+    EXPECT_TRUE(deforms_or_refuses(mesh, point("a", "10, 40") + "," + point("b", "40, 40") + "," + point("c", "70, 40"),
+                                   R"("b": {"to": [40, 45]})"));
+    EXPECT_TRUE(deforms_or_refuses(mesh, point("a", "40, 40") + "," + point("b", "40, 40") + "," + point("c", "40, 40"),
+                                   R"("a": {"to": [45, 45]}, "b": {"to": [45, 45]}, "c": {"to": [45, 45]})"));
+    for (const char* method : {"harmonic", "biharmonic", "arap"}) {
+        expect_refused(
+            deform(mesh, point("a", "40, 40") + "," + point("b", "20, 20"), R"("a": {"to": [1e12, 0]})", method),
+            "too far");
+    }
+}
+
 }  // namespace
 }  // namespace puppetwarp::tests

@@ -122,7 +122,7 @@ TEST_F(Contract, ReportHasItsFields) {
     EXPECT_EQ(Json::parse(bytes_of(folder / "report.json"))["energy"], report["energy"]);
     for (const char* key : {"method", "vertices", "triangles", "handles", "iterations", "converged", "energy",
                             "energy_history", "flipped_triangles", "max_stretch", "max_area_ratio",
-                            "max_handle_error_px", "canvas", "timings_ms", "peak_memory_mb"}) {
+                            "max_handle_error_px", "warnings", "canvas", "timings_ms", "peak_memory_mb"}) {
         EXPECT_TRUE(report.contains(key)) << key;
     }
     for (const char* key : {"read", "cutout", "triangulate", "bind", "deform", "warp", "write"}) {
@@ -157,6 +157,64 @@ TEST_F(Contract, FoldGate) {
     EXPECT_TRUE(fs::exists(folder / "out.png"));
     EXPECT_EQ(run({"warp", folder / "in.png", "--pin", "85,100", "-o", folder / "out.png", "--fail-on-fold"}).exit_code,
               0);
+}
+
+TEST_F(Contract, StretchGate) {
+    write_image(disc_picture(200, 200), folder / "in.png");
+    const std::vector<std::string> pulled = {"warp",  folder / "in.png",  "--pin",    "60,100:40,100",
+                                             "--pin", "140,100:160,100",  "--method", "harmonic",
+                                             "-o",    folder / "out.png", "--json"};
+    const CommandResult result = run(pulled);
+    const double stretch = Json::parse(result.output)["max_stretch"].get<double>();
+    ASSERT_GT(stretch, 1.2);
+    const auto gated = [&](const std::string& most) {
+        std::vector<std::string> arguments = pulled;
+        arguments.insert(arguments.end(), {"--fail-on-stretch", most});
+        return run(arguments).exit_code;
+    };
+    EXPECT_EQ(gated(std::to_string(stretch - 0.01)), 1);
+    EXPECT_EQ(gated(std::to_string(stretch + 0.01)), 0);
+    EXPECT_EQ(gated("0.99"), 2);
+    EXPECT_EQ(gated("nan"), 2);
+}
+
+TEST_F(Contract, APartWithoutAHandleStaysAndIsWarnedOf) {
+    Image two = disc_picture(120, 120);
+    two.pixels(cv::Rect(0, 55, 120, 10)).setTo(cv::Scalar::all(0));
+    write_image(two, folder / "in.png");
+    const std::vector<std::string> arguments = {"warp", folder / "in.png",  "--pin", "60,40:64,40",
+                                                "-o",   folder / "out.png", "--json"};
+    const CommandResult result = run(arguments);
+    ASSERT_EQ(result.exit_code, 0);
+    EXPECT_THAT(result.errors,
+                testing::AllOf(testing::StartsWith("puppetwarp: warning: "), testing::HasSubstr("no handle")));
+    EXPECT_EQ(std::count(result.errors.begin(), result.errors.end(), '\n'), 1);
+    EXPECT_EQ(Json::parse(result.output)["warnings"].size(), 1u);
+    const cv::Mat out = read_image(folder / "out.png").pixels;
+    const cv::Rect lower(0, 70, 120, 50);
+    EXPECT_TRUE(same_visible(out(lower), two.pixels(lower)));
+    std::vector<std::string> quiet = arguments;
+    quiet.push_back("-q");
+    EXPECT_EQ(run(quiet).errors, "");
+}
+
+TEST_F(Contract, BonesRegionsAndStiffnessPicturesInAPuppetFile) {
+    write_image(disc_picture(200, 200), folder / "in.png");
+    write_image(noise_picture(50, 50, CV_8UC3), folder / "stiff.png");
+    put_bytes(folder / "p.json", R"({"format": "puppetwarp", "version": 1, "image": "in.png",
+        "handles": [{"id": "arm", "type": "bone", "from": [100, 100], "to": [150, 100]},
+                    {"id": "hand", "type": "bone", "from": [150, 100], "to": [170, 100], "parent": "arm"},
+                    {"id": "spot", "type": "region", "points": [[40, 80], [70, 80], [70, 120], [40, 120]]}],
+        "stiffness": [{"image": "stiff.png", "max": 20}],
+        "poses": [{"name": "p", "handles": {"arm": {"rotate_deg": 10}, "spot": {"to": [57, 98], "rotate_deg": 5}}}]})");
+    const CommandResult result = run({"warp", folder / "p.json", "-o", folder / "out.png", "--json"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_EQ(Json::parse(result.output)["handles"], 3);
+    EXPECT_LT(Json::parse(result.output)["max_handle_error_px"].get<double>(), 0.01);
+    EXPECT_EQ(run({"info", folder / "p.json"}).exit_code, 0);
+    EXPECT_EQ(run({"warp", folder / "p.json", "-o", folder / "stiff.png"}).exit_code, 2);  // an input
+    put_bytes(folder / "stiff.png", "no picture");
+    EXPECT_EQ(run({"warp", folder / "p.json", "-o", folder / "out.png"}).exit_code, 2);
 }
 
 TEST_F(Contract, SameBytesForAnyNumberOfThreads) {

@@ -4,6 +4,7 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/project/pipeline.h>
+#include <puppetwarp/project/stiffness_pictures.h>
 
 #include <algorithm>
 #include <chrono>
@@ -86,6 +87,7 @@ void ShapeMaker::update_subject(const Puppet& puppet, Progress& progress) {
     subject_ = std::move(subject);
     subject_key_ = std::move(key);
     mesh_.reset();
+    stiffness_key_.clear();
 }
 
 void ShapeMaker::update_mesh(const Puppet& puppet, Progress& progress) {
@@ -102,13 +104,28 @@ void ShapeMaker::update_mesh(const Puppet& puppet, Progress& progress) {
     last_moved_ = mesh_->V;
 }
 
+// Pictures of stiffness are read again only when the stiffness changes.
+Rig ShapeMaker::rig(const Puppet& puppet) {
+    Puppet part;
+    part.rig.stiffness = puppet.rig.stiffness;
+    const std::string key = puppet.folder.string() + to_json(part);
+    if (key != stiffness_key_) {
+        part.folder = puppet.folder;
+        stiffness_ = load_rig(part, subject_->image.width(), subject_->image.height()).stiffness;
+        stiffness_key_ = key;
+    }
+    Rig rig = puppet.rig;
+    rig.stiffness = stiffness_;
+    return rig;
+}
+
 const Deformer& ShapeMaker::prepared(const Puppet& puppet, bool live, Progress& progress) {
     Prepared& kept = live ? live_ : exact_;
     std::string key = deformer_key(puppet);
     if (!kept.deformer || kept.key != key) {
         kept = {};
         progress.step("bind", 0);
-        kept.deformer = make_deformer(live ? live_options(puppet.method) : puppet.method, *mesh_, puppet.rig);
+        kept.deformer = make_deformer(live ? live_options(puppet.method) : puppet.method, *mesh_, rig(puppet));
         kept.key = std::move(key);
     }
     return *kept.deformer;

@@ -30,6 +30,7 @@ private:
 
     void update_subject(const Puppet& puppet, Progress& progress);
     void update_mesh(const Puppet& puppet, Progress& progress);
+    Rig rig(const Puppet& puppet);
     const Deformer& prepared(const Puppet& puppet, bool live, Progress& progress);
     void deform(const ShapeRequest& request, Shape& shape, Progress& progress);
 
@@ -38,6 +39,8 @@ private:
     std::shared_ptr<const Subject> subject_;
     std::string mesh_key_;
     std::shared_ptr<const TriangleMesh> mesh_;
+    std::string stiffness_key_;
+    std::vector<Stiffness> stiffness_;  // of subject_, pictures loaded
     Prepared exact_;
     Prepared live_;
     Eigen::MatrixX2d last_moved_;  // of mesh_; where live deformations begin

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace puppetwarp {
@@ -60,11 +61,49 @@ void require_areas(const TriangleMesh& mesh, const char* subject) {
         if (std::isfinite(areas(t)) && std::abs(areas(t)) > smallest_height * longest_squared_edge(mesh, t)) continue;
         throw InvalidInput(subject, "triangle " + std::to_string(t) + " has no area", "remove or repair it");
     }
-    for (int t = 1; t < areas.size(); ++t) {
-        if ((areas(t) > 0) == (areas(0) > 0)) continue;
+    // Of both orientations, the rarer one is folded over.
+    const Eigen::Index positive = (areas.array() > 0).count();
+    if (positive == 0 || positive == areas.size()) return;
+    const bool folded = 2 * positive <= areas.size();
+    for (int t = 0; t < areas.size(); ++t) {
+        if ((areas(t) > 0) != folded) continue;
         throw InvalidInput(
-            subject, "triangles of both orientations: triangle " + std::to_string(t) + " is turned against triangle 0",
-            "orient all triangles the same way");
+            subject,
+            "triangle " + std::to_string(t) + " is turned against the others: folded over, or of another orientation",
+            "unfold the mesh, and orient all triangles the same way");
+    }
+}
+
+// Triangles of one orientation pass each edge at most once in each direction, unless they lie over each other.
+void require_manifold_edges(const TriangleMesh& mesh, const char* subject) {
+    struct HalfEdge {
+        int to;
+        int triangle;
+    };
+    // Sorted by their first vertex through counting.
+    std::vector<std::size_t> begin(static_cast<std::size_t>(mesh.V.rows()) + 1);
+    for (const int v : mesh.F.reshaped()) ++begin[static_cast<std::size_t>(v) + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
+    std::vector<HalfEdge> edges(static_cast<std::size_t>(mesh.F.size()));
+    for (int t = 0; t < mesh.F.rows(); ++t) {
+        for (int k = 0; k < 3; ++k) {
+            edges[next[static_cast<std::size_t>(mesh.F(t, k))]++] = {mesh.F(t, (k + 1) % 3), t};
+        }
+    }
+    for (std::size_t v = 0; v + 1 < begin.size(); ++v) {
+        const auto first = edges.begin() + static_cast<std::ptrdiff_t>(begin[v]);
+        const auto last = edges.begin() + static_cast<std::ptrdiff_t>(begin[v + 1]);
+        std::sort(first, last, [](const HalfEdge& a, const HalfEdge& b) {
+            return std::pair(a.to, a.triangle) < std::pair(b.to, b.triangle);
+        });
+        const auto twice = std::adjacent_find(first, last, [](const auto& a, const auto& b) { return a.to == b.to; });
+        if (twice == last) continue;
+        throw InvalidInput(subject,
+                           "triangles " + std::to_string(twice->triangle) + " and " +
+                               std::to_string((twice + 1)->triangle) + " lie on one side of the edge from vertex " +
+                               std::to_string(v) + " to " + std::to_string(twice->to),
+                           "an edge belongs to two triangles at most, one on each side");
     }
 }
 
@@ -111,6 +150,7 @@ void require_sound(const TriangleMesh& mesh, const char* subject) {
     require_finite(mesh, subject);
     require_indices(mesh, subject);
     require_areas(mesh, subject);
+    require_manifold_edges(mesh, subject);
 }
 
 }  // namespace puppetwarp

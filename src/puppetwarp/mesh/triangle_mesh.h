@@ -22,7 +22,7 @@ Eigen::VectorXi vertex_components(const TriangleMesh& mesh);
 
 //! Checks that a mesh from a file can be worked with.
 //! \throw InvalidInput  no triangles, an index out of range, a coordinate that is not finite, a triangle of no area
-//!        (names the first), triangles of both orientations.
+//!        (names the first), triangles of both orientations, two triangles on one side of an edge.
 void require_sound(const TriangleMesh& mesh, const char* subject);
 
 }  // namespace puppetwarp

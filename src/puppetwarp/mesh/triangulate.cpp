@@ -9,6 +9,7 @@
 #include <CGAL/Delaunay_mesher_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
+#include <CGAL/exceptions.h>
 
 #include <Eigen/Geometry>
 
@@ -46,6 +47,12 @@ void require_sound(const TriangulationOptions& options) {
 [[noreturn]] void refuse_size(int max_vertices) {
     throw InvalidInput("mesh", "more than " + std::to_string(max_vertices) + " vertices would be needed",
                        "raise max_edge_px, or lower min_angle_deg");
+}
+
+[[noreturn]] void refuse_narrow() {
+    throw InvalidInput("outline",
+                       "parts of it, or bones and cage edges in it, are too narrow for their length to compute with",
+                       "widen them, or move lines apart that almost touch");
 }
 
 // Fewer vertices than this cannot do: no triangle is larger than the equilateral one, and n vertices make fewer than
@@ -142,8 +149,14 @@ private:
         mesher.set_seeds(seeds_.begin(), seeds_.end(), false);
         mesher.init();
         const auto most = static_cast<std::size_t>(options_.max_vertices);
+        // Where round-off makes a triangle flat, the mesher splits it for ever and no vertex is gained: more steps in
+        // vain than there are triangles and edges have no end.
+        std::size_t count = cdt_.number_of_vertices(), in_vain = 0;
         do {
             if (cdt_.number_of_vertices() > most) refuse_size(options_.max_vertices);
+            in_vain = cdt_.number_of_vertices() > count ? 0 : in_vain + 1;
+            count = cdt_.number_of_vertices();
+            if (in_vain > 1000 + 10 * count) refuse_narrow();
         } while (mesher.try_one_step_refine_mesh());
     }
 
@@ -234,17 +247,22 @@ TriangleMesh triangulate(const Outline& outline, const std::vector<Polyline>& co
     const double max_edge = options.max_edge_px > 0 ? options.max_edge_px : default_max_edge_px(outline);
     require_possible(outline, max_edge, options.max_vertices);
 
-    MeshBuilder builder(max_edge, options);
-    for (const Polyline& polygon : boundaries) builder.insert_polygon(polygon);
-    for (const Segment& s : clipped_constraints(constraints, boundaries, 0.1 * max_edge)) builder.insert_segment(s);
     std::vector<Point> in_holes;
     for (const OutlineComponent& component : outline.components) {
         for (const Polyline& hole : component.holes) {
             if (const auto point = point_in_hole(hole, boundaries)) in_holes.push_back(*point);
         }
     }
-    builder.refine(in_holes);
-    return builder.mesh();
+    try {
+        MeshBuilder builder(max_edge, options);
+        for (const Polyline& polygon : boundaries) builder.insert_polygon(polygon);
+        for (const Segment& s : clipped_constraints(constraints, boundaries, 0.1 * max_edge)) builder.insert_segment(s);
+        builder.refine(in_holes);
+        return builder.mesh();
+    } catch (const CGAL::Failure_exception&) {
+        // CGAL's checks found a triangle that round-off made flat.
+        refuse_narrow();
+    }
 }
 
 }  // namespace puppetwarp

@@ -20,8 +20,8 @@ double default_max_edge_px(const Outline& outline);
 //!        outside the outline or nearer to its boundary than a tenth of the longest edge are left out, because they
 //!        would force tiny triangles.
 //! \throw InvalidInput  the outline is empty, crosses or touches itself (says where), a coordinate is not finite,
-//! `min_angle_deg` outside 0-30,
-//!        `max_edge_px` negative or not finite, more than `max_vertices` would be needed.
+//!        `min_angle_deg` outside 0-30, `max_edge_px` negative or not finite, more than `max_vertices` would be needed,
+//!        parts so narrow for their length that round-off makes triangles flat.
 //! Shewchuk 2002, Delaunay refinement; CGAL 2D Mesh Generation. The same input gives the same mesh.
 TriangleMesh triangulate(const Outline& outline, const std::vector<Polyline>& constraints = {},
                          const TriangulationOptions& options = {});

@@ -99,6 +99,7 @@ struct ShapeWriter {
     void operator()(const RegionHandle& handle) const {
         json["type"] = "region";
         json["points"] = points(handle.points);
+        if (handle.falloff != Falloff::none) json["falloff"] = falloff_name(handle.falloff);
     }
     void operator()(const VertexHandle& handle) const {
         json["type"] = "vertex";
@@ -109,7 +110,7 @@ struct ShapeWriter {
 Json handle_json(const Handle& handle, const Json* old) {
     Json json{{"id", handle.id}};
     std::visit(ShapeWriter{json}, handle.shape);
-    keep_unknown(json, old, {"id", "type", "at", "radius_px", "from", "to", "parent", "points", "index"});
+    keep_unknown(json, old, {"id", "type", "at", "radius_px", "from", "to", "parent", "points", "index", "falloff"});
     return json;
 }
 
@@ -126,9 +127,13 @@ Json method_json(const MethodOptions& method, const Json* old) {
     const MethodOptions usual;
     Json json{{"name", method_name(method.method)}};
     if (method.arap_energy != usual.arap_energy) json["arap_energy"] = arap_energy_name(method.arap_energy);
+    if (method.bending_length_px) json["bending_length_px"] = number(*method.bending_length_px);
+    if (method.stretching != usual.stretching) json["stretching"] = number(method.stretching);
+    if (method.bending != usual.bending) json["bending"] = number(method.bending);
     if (method.tolerance != usual.tolerance) json["tolerance"] = method.tolerance;
     if (method.max_iterations != usual.max_iterations) json["max_iterations"] = method.max_iterations;
-    keep_unknown(json, old, {"name", "arap_energy", "tolerance", "max_iterations"});
+    keep_unknown(json, old,
+                 {"name", "arap_energy", "bending_length_px", "stretching", "bending", "tolerance", "max_iterations"});
     return json;
 }
 
@@ -138,12 +143,13 @@ Json handle_pose_json(const HandlePose& pose, const Json* old) {
     if (pose.to) json["to"] = point(*pose.to);
     if (pose.points) json["to"] = points(*pose.points);
     if (pose.rotate_rad) json["rotate_deg"] = degrees_number(*pose.rotate_rad);
+    if (pose.turn_rad) json["turn_deg"] = degrees_number(*pose.turn_rad);
     if (pose.scale) json["scale"] = number(*pose.scale);
     if (pose.depth) json["depth"] = number(*pose.depth);
     if (pose.affine) {
         for (const double value : *pose.affine) json["affine"].push_back(number(value));
     }
-    keep_unknown(json, old, {"from", "to", "rotate_deg", "scale", "depth", "affine"});
+    keep_unknown(json, old, {"from", "to", "rotate_deg", "turn_deg", "scale", "depth", "affine"});
     return json;
 }
 

@@ -1,5 +1,7 @@
 #include <puppetwarp/project/overlay.h>
 
+#include <puppetwarp/rig/handle_maps.h>
+
 #include <opencv2/imgproc.hpp>
 
 #include <array>
@@ -109,14 +111,22 @@ double stroke_unit(const Canvas& canvas) {
 // The points a handle shows in a pose: where it is dragged, else where it rests.
 struct PosedPoints {
     const HandlePose& pose;
-    Polyline operator()(const PointHandle& handle) const { return {pose.to.value_or(handle.at)}; }
-    Polyline operator()(const BoneHandle& handle) const {
-        return {pose.from.value_or(handle.from), pose.to.value_or(handle.to)};
-    }
+    const AffineMap& map;
+
+    Polyline operator()(const PointHandle& handle) const { return {moved(handle.at)}; }
+    Polyline operator()(const BoneHandle& handle) const { return {moved(handle.from), moved(handle.to)}; }
     Polyline operator()(const CageHandle& handle) const { return closed(pose.points.value_or(handle.points)); }
-    Polyline operator()(const RegionHandle& handle) const { return closed(handle.points); }
+    Polyline operator()(const RegionHandle& handle) const {
+        Polyline points;
+        for (const Point& p : handle.points) points.push_back(moved(p));
+        return closed(points);
+    }
     Polyline operator()(const VertexHandle&) const { return pose.to ? Polyline{*pose.to} : Polyline{}; }
 
+    Point moved(const Point& p) const {
+        const std::complex<double> q = map({p.x(), p.y()});
+        return {q.real(), q.imag()};
+    }
     static Polyline closed(Polyline points) {
         if (!points.empty()) points.push_back(points.front());
         return points;
@@ -140,10 +150,12 @@ void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas
     const double unit = stroke_unit(canvas);
     const HandlePose at_rest;
     Strokes rims(canvas), bodies(canvas);
-    for (const Handle& handle : rig.handles) {
+    const std::vector<AffineMap> maps = handle_maps(rig, pose);
+    for (std::size_t h = 0; h < rig.handles.size(); ++h) {
+        const Handle& handle = rig.handles[h];
         const auto found = pose.handles.find(handle.id);
         const HandlePose& posed = found == pose.handles.end() ? at_rest : found->second;
-        const Polyline points = std::visit(PosedPoints{posed}, handle.shape);
+        const Polyline points = std::visit(PosedPoints{posed, maps[h]}, handle.shape);
         for (std::size_t i = 0; i + 1 < points.size(); ++i) {
             rims.line(points[i], points[i + 1], static_cast<int>(std::lround(4 * unit)));
             bodies.line(points[i], points[i + 1], static_cast<int>(std::lround(2 * unit)));

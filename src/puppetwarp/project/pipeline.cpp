@@ -3,6 +3,7 @@
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/image/write.h>
 #include <puppetwarp/mesh/triangulate.h>
+#include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/rig/snap.h>
 #include <puppetwarp/warp/background.h>
 
@@ -106,7 +107,7 @@ Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, cons
     Solved solved;
     solved.mesh = mesh_subject(puppet, outline);
     timer.end("triangulate");
-    solved.rig = snapped(puppet.rig, solved.mesh, options.pin_snap_px);
+    solved.rig = snapped(load_rig(puppet, width, height, options.read), solved.mesh, options.pin_snap_px);
     const std::unique_ptr<Deformer> deformer = make_deformer(puppet.method, solved.mesh, solved.rig);
     timer.end("bind");
     Deformation deformation = deformer->deform(pose, nullptr, progress);
@@ -121,6 +122,10 @@ Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, cons
 
 void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& rig, const Deformation& deformation,
               RenderReport& report) {
+    if (!deformation.V.allFinite()) {
+        throw InvalidInput("mesh", "its triangles are too thin or too different in size to compute with",
+                           "use a mesh with better triangles");
+    }
     report.method = method_name(method.method);
     report.vertices = static_cast<int>(mesh.V.rows());
     report.triangles = static_cast<int>(mesh.F.rows());
@@ -129,6 +134,7 @@ void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& 
     report.converged = deformation.converged;
     report.energy = deformation.energy;
     report.energy_history = deformation.energy_history;
+    report.warnings = deformation.warnings;
     report.max_handle_error_px = deformation.max_handle_error_px;
     report.distortion = measure_distortion(mesh, deformation.V);
 }

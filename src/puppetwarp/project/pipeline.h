@@ -59,11 +59,13 @@ struct RenderReport {
     Distortion distortion;
     double max_handle_error_px = 0;
     Canvas canvas;
+    std::vector<std::string> warnings;                       //!< the method's, one sentence each
     std::vector<std::string> lost;                           //!< what `format` cannot hold, as phrases
     std::vector<std::pair<std::string, double>> timings_ms;  //!< stages in their order
 };
 
 //! Fills in what a report says of a deformation: method, sizes, convergence, distortion.
+//! \throw InvalidInput  a position is not finite: the mesh is too bad to compute with.
 void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& rig, const Deformation& deformation,
               RenderReport& report);
 

@@ -72,6 +72,10 @@ void write_puppet(const Puppet& puppet, const fs::path& path) {
     Puppet moved = puppet;
     moved.image = moved_path(puppet.image, puppet.folder, path.parent_path());
     moved.cutout.path = moved_path(puppet.cutout.path, puppet.folder, path.parent_path());
+    for (Stiffness& stiffness : moved.rig.stiffness) {
+        auto* picture = std::get_if<StiffnessPicture>(&stiffness);
+        if (picture != nullptr) picture->path = moved_path(picture->path, puppet.folder, path.parent_path());
+    }
     write_file(path, to_json(moved));
 }
 

@@ -46,6 +46,17 @@ MeshSettings read_mesh_settings(const JsonReader& json) {
     return mesh;
 }
 
+// The library's own complaint about a name lists the known ones; the field is added to it here.
+template <typename FromName>
+auto named(const JsonReader& field, FromName from_name) {
+    const std::string text = field.text();
+    try {
+        return from_name(text);
+    } catch (const InvalidInput& error) {
+        field.fail("'" + text + "': " + error.reason(), error.advice());
+    }
+}
+
 Handle read_handle(const JsonReader& json) {
     Handle handle;
     handle.id = json.at("id").text();
@@ -61,7 +72,9 @@ Handle read_handle(const JsonReader& json) {
     } else if (name == "cage") {
         handle.shape = CageHandle{json.at("points").points(3)};
     } else if (name == "region") {
-        handle.shape = RegionHandle{json.at("points").points(3)};
+        RegionHandle region{json.at("points").points(3)};
+        if (const auto falloff = json.find("falloff")) region.falloff = named(*falloff, falloff_from_name);
+        handle.shape = std::move(region);
     } else if (name == "vertex") {
         handle.shape = VertexHandle{json.at("index").integer()};
     } else {
@@ -72,24 +85,22 @@ Handle read_handle(const JsonReader& json) {
 
 Stiffness read_stiffness(const JsonReader& json) {
     if (const auto image = json.find("image")) {
-        image->fail("is not supported by this version", "use `points` and `value`");
+        StiffnessPicture picture;
+        picture.path = image->text();
+        if (picture.path.empty()) image->fail("must name a picture");
+        picture.max = json.at("max").positive();
+        return picture;
     }
     return StiffnessRegion{json.at("points").points(3), json.at("value").positive()};
 }
 
 MethodOptions read_method(const JsonReader& json) {
     MethodOptions method;
-    // The library's own complaint about a name lists the known ones; the field is added to it here.
-    const auto named = [](const JsonReader& field, auto from_name) {
-        const std::string text = field.text();
-        try {
-            return from_name(text);
-        } catch (const InvalidInput& error) {
-            field.fail("'" + text + "': " + error.reason(), error.advice());
-        }
-    };
     if (const auto name = json.find("name")) method.method = named(*name, method_from_name);
     if (const auto energy = json.find("arap_energy")) method.arap_energy = named(*energy, arap_energy_from_name);
+    if (const auto length = json.find("bending_length_px")) method.bending_length_px = length->positive();
+    if (const auto stretching = json.find("stretching")) method.stretching = stretching->number_in(0, infinity);
+    if (const auto bending = json.find("bending")) method.bending = bending->number_in(0, infinity);
     if (const auto tolerance = json.find("tolerance")) method.tolerance = tolerance->positive();
     if (const auto most = json.find("max_iterations")) {
         method.max_iterations = most->integer();
@@ -111,6 +122,7 @@ HandlePose read_handle_pose(const JsonReader& json, const Handle& handle) {
     }
     if (const auto from = json.find("from")) pose.from = from->point();
     if (const auto rotate = json.find("rotate_deg")) pose.rotate_rad = radians(rotate->number());
+    if (const auto turn = json.find("turn_deg")) pose.turn_rad = radians(turn->number());
     if (const auto scale = json.find("scale")) pose.scale = scale->positive();
     if (const auto depth = json.find("depth")) pose.depth = depth->number();
     if (const auto affine = json.find("affine")) pose.affine = affine->affine();

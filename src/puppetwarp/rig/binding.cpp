@@ -95,7 +95,7 @@ private:
 };
 
 MeshLocation Binder::located(const Point& at) const {
-    const MeshLocation place = discs_.locate(at);
+    MeshLocation place = discs_.locate(at);
     if (discs_.outside(place)) throw_outside(handle().id, place.distance_px);
     return place;
 }
@@ -199,7 +199,7 @@ void Binder::settle_vertices() {
 
 void Binder::find_loose() {
     const Eigen::VectorXi& component = discs_.component();
-    const auto count = static_cast<std::size_t>(component.maxCoeff() + 1);
+    const auto count = static_cast<std::size_t>(component.maxCoeff()) + 1;
     std::vector<bool> held(count);
     for (const Hold& hold : binding_.holds) held[static_cast<std::size_t>(hold.component)] = true;
     for (const HeldVertex& each : binding_.vertices) held[static_cast<std::size_t>(component(each.vertex))] = true;

@@ -65,7 +65,7 @@ struct Meeting {
 };
 
 //! How a rig takes hold of a mesh. Nothing is held twice in the same way: what a handle shares with an earlier one is
-//! the earlier one's alone, and a Meeting.
+//! the earlier one's alone (a point's before a bone's, whose end it pins), and a Meeting.
 struct Binding {
     std::vector<Hold> holds;           //!< in the order of the handles
     std::vector<HeldVertex> vertices;  //!< ascending, each vertex once

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <string_view>
+#include <unordered_map>
 
 namespace puppetwarp {
 
@@ -43,17 +45,20 @@ struct AllowedFields {
     bool to = false;
     bool from = false;
     bool points = false;
-    bool turn = false;  // rotate_deg, scale and affine
+    bool turn = false;       // rotate_deg, scale and affine
+    bool free_turn = false;  // turn_deg
     const char* type = "";
 };
 
 struct FieldsOf {
-    AllowedFields operator()(const PointHandle&) const { return {.to = true, .turn = true, .type = "point"}; }
+    AllowedFields operator()(const PointHandle&) const {
+        return {.to = true, .turn = true, .free_turn = true, .type = "point"};
+    }
     AllowedFields operator()(const BoneHandle&) const {
         return {.to = true, .from = true, .turn = true, .type = "bone"};
     }
     AllowedFields operator()(const CageHandle&) const { return {.points = true, .type = "cage"}; }
-    AllowedFields operator()(const RegionHandle&) const { return {.turn = true, .type = "region"}; }
+    AllowedFields operator()(const RegionHandle&) const { return {.to = true, .turn = true, .type = "region"}; }
     AllowedFields operator()(const VertexHandle&) const { return {.to = true, .type = "vertex"}; }
 };
 
@@ -89,16 +94,22 @@ struct StiffnessCheck {
     }
 };
 
-const BoneHandle* bone_of(const Handle* handle) {
-    return handle == nullptr ? nullptr : std::get_if<BoneHandle>(&handle->shape);
+// Handles by their ids.
+using HandleIndex = std::unordered_map<std::string_view, const Handle*>;
+
+HandleIndex index_of(const Rig& rig) {
+    HandleIndex index;
+    for (const Handle& handle : rig.handles) index.emplace(handle.id, &handle);
+    return index;
 }
 
-void require_parents(const Rig& rig, const Handle& handle) {
-    const BoneHandle* bone = bone_of(&handle);
+void require_parents(const HandleIndex& index, const Handle& handle) {
+    const auto* bone = std::get_if<BoneHandle>(&handle.shape);
     for (std::size_t steps = 0; bone != nullptr && !bone->parent.empty(); ++steps) {
-        if (steps > rig.handles.size()) throw InvalidInput(subject_of(handle), "its parents lead round in a loop");
+        if (steps > index.size()) throw InvalidInput(subject_of(handle), "its parents lead round in a loop");
         const std::string& parent = bone->parent;
-        bone = bone_of(find_handle(rig, parent));
+        const auto found = index.find(parent);
+        bone = found == index.end() ? nullptr : std::get_if<BoneHandle>(&found->second->shape);
         if (bone == nullptr) throw InvalidInput(subject_of(handle), "parent '" + parent + "' is not a bone of the rig");
     }
 }
@@ -114,32 +125,66 @@ void require_fields(const std::string& subject, const AllowedFields& allowed, co
     require_allowed(subject, allowed, pose.from.has_value(), allowed.from, "from");
     require_allowed(subject, allowed, pose.points.has_value(), allowed.points, "to (points)");
     require_allowed(subject, allowed, pose.rotate_rad.has_value(), allowed.turn, "rotate_deg");
+    require_allowed(subject, allowed, pose.turn_rad.has_value(), allowed.free_turn, "turn_deg");
     require_allowed(subject, allowed, pose.scale.has_value(), allowed.turn, "scale");
     require_allowed(subject, allowed, pose.affine.has_value(), allowed.turn, "affine");
     if (pose.affine && (pose.to || pose.from || pose.rotate_rad || pose.scale)) {
         throw InvalidInput(subject, "affine cannot stand beside to, from, rotate_deg or scale",
                            "give one or the other");
     }
+    if (allowed.from && pose.to && (pose.rotate_rad || pose.scale)) {
+        throw InvalidInput(subject, "a bone's to cannot stand beside rotate_deg or scale, which it gives already",
+                           "give one or the other");
+    }
 }
 
 constexpr double most_turn_rad = 2000 * std::numbers::pi;
+// Beyond, numbers lose what the mesh is made of.
+constexpr double most_scale = 1e6;
+
+void require_angle(const std::string& subject, const std::string& field, double angle_rad) {
+    require_finite(subject, field, angle_rad);
+    if (std::abs(angle_rad) > most_turn_rad) {
+        throw InvalidInput(subject, field + " turns more than a thousand times round");
+    }
+}
 
 void require_values(const std::string& subject, const HandlePose& pose) {
     if (pose.to) require_finite(subject, "to", *pose.to);
     if (pose.from) require_finite(subject, "from", *pose.from);
     if (pose.points) require_finite(subject, "to", *pose.points);
-    if (pose.rotate_rad) require_finite(subject, "rotate_deg", *pose.rotate_rad);
-    if (pose.rotate_rad && std::abs(*pose.rotate_rad) > most_turn_rad) {
-        throw InvalidInput(subject, "rotate_deg turns more than a thousand times round");
-    }
+    if (pose.rotate_rad) require_angle(subject, "rotate_deg", *pose.rotate_rad);
+    if (pose.turn_rad) require_angle(subject, "turn_deg", *pose.turn_rad);
     if (pose.scale) require_positive(subject, "scale", *pose.scale);
+    if (pose.scale && *pose.scale > most_scale) throw InvalidInput(subject, "scale is above a million");
     if (pose.depth) require_finite(subject, "depth", *pose.depth);
     if (pose.affine) {
         for (const double entry : *pose.affine) require_finite(subject, "affine", entry);
+        for (std::size_t i = 0; i < 4; ++i) {
+            if (std::abs((*pose.affine)[i]) > most_scale)
+                throw InvalidInput(subject, "affine scales by over a million");
+        }
     }
 }
 
 }  // namespace
+
+std::string falloff_name(Falloff falloff) {
+    switch (falloff) {
+        case Falloff::none: return "none";
+        case Falloff::harmonic: return "harmonic";
+        case Falloff::geodesic: break;
+    }
+    return "geodesic";
+}
+
+Falloff falloff_from_name(std::string_view name) {
+    for (const Falloff falloff : {Falloff::none, Falloff::harmonic, Falloff::geodesic}) {
+        if (falloff_name(falloff) == name) return falloff;
+    }
+    throw InvalidInput("falloff '" + std::string(name) + "'", "there is none of this name",
+                       "known: none, harmonic, geodesic");
+}
 
 const Handle* find_handle(const Rig& rig, const std::string& id) {
     const auto found =
@@ -156,23 +201,26 @@ void require_sound(const Rig& rig) {
         if (!ids.insert(handle.id).second) throw InvalidInput(subject, "the id is used twice");
         std::visit(ShapeCheck{subject}, handle.shape);
     }
-    for (const Handle& handle : rig.handles) require_parents(rig, handle);
+    const HandleIndex index = index_of(rig);
+    for (const Handle& handle : rig.handles) require_parents(index, handle);
     for (std::size_t i = 0; i < rig.stiffness.size(); ++i) {
         std::visit(StiffnessCheck{"stiffness " + std::to_string(i)}, rig.stiffness[i]);
     }
 }
 
 void require_sound(const Pose& pose, const Rig& rig) {
+    const HandleIndex index = index_of(rig);
     for (const auto& [id, target] : pose.handles) {
-        const Handle* handle = find_handle(rig, id);
-        if (handle == nullptr) {
+        const auto found = index.find(id);
+        if (found == index.end()) {
             throw InvalidInput("pose '" + pose.name + "'",
                                "it names the handle '" + id + "', which the rig does not have");
         }
-        const std::string subject = subject_of(*handle);
-        require_fields(subject, std::visit(FieldsOf{}, handle->shape), target);
+        const Handle& handle = *found->second;
+        const std::string subject = subject_of(handle);
+        require_fields(subject, std::visit(FieldsOf{}, handle.shape), target);
         require_values(subject, target);
-        const CageHandle* cage = std::get_if<CageHandle>(&handle->shape);
+        const CageHandle* cage = std::get_if<CageHandle>(&handle.shape);
         if (cage != nullptr && target.points && target.points->size() != cage->points.size()) {
             throw InvalidInput(subject, "to has " + std::to_string(target.points->size()) + " points, the cage has " +
                                             std::to_string(cage->points.size()));

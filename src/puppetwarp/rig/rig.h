@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -37,6 +38,10 @@ enum class Falloff {
     harmonic,  //!< d = s D, with Lap s = 0, s = 1 on the region and 0 on every other handle
     geodesic   //!< the same with a smooth function of the distances inside the subject
 };
+
+std::string falloff_name(Falloff falloff);
+//! \throw InvalidInput  unknown name (lists the known ones).
+Falloff falloff_from_name(std::string_view name);
 
 //! A painted polygon: the mesh inside moves by one map, or stays where a pose does not name it.
 struct RegionHandle {
@@ -79,12 +84,12 @@ struct Rig {
 
 //! Where one handle goes. What is not set stays as it rests.
 struct HandlePose {
-    std::optional<Point> to;                      //!< target of a point or vertex, or of a bone's end
+    std::optional<Point> to;                      //!< of a point or vertex, a bone's end, a region's centroid
     std::optional<Point> from;                    //!< target of a bone's start
     std::optional<Polyline> points;               //!< targets of a cage's corners
     std::optional<double> rotate_rad;             //!< clockwise on screen; a point without it has a free angle
     std::optional<double> turn_rad;               //!< how far a free angle turned on its way here, whole turns counted
-    std::optional<double> scale;                  //!< above 0
+    std::optional<double> scale;                  //!< above 0, at most a million
     std::optional<double> depth;                  //!< larger is nearer to the viewer
     std::optional<std::array<double, 6>> affine;  //!< x' = a x + c y + e, y' = b x + d y + f
 };
@@ -104,8 +109,9 @@ const Handle* find_handle(const Rig& rig, const std::string& id);
 //!        not above 0, a bone's parent that is missing or leads round in a loop. Names the handle.
 void require_sound(const Rig& rig);
 
-//! \throw InvalidInput  a handle that the rig does not have, a value that is not finite, a field that the handle's type
-//!        does not have.
+//! \throw InvalidInput  a handle that the rig does not have, a value that is not finite or out of range, a field that
+//! the
+//!        handle's type does not have, fields that say the same twice.
 void require_sound(const Pose& pose, const Rig& rig);
 
 }  // namespace puppetwarp

@@ -23,14 +23,21 @@ Point place_of(const TriangleMesh& mesh, int triangle, Eigen::Vector3d barycentr
 Rig snapped(const Rig& rig, const TriangleMesh& mesh, double max_px) {
     const MeshLocator locator(mesh);
     const double size = bounding_diagonal(mesh.V);
+    const auto snap = [&](const std::string& id, Point& at) {
+        const MeshLocation location = locator.locate(at);
+        if (location.distance_px <= on_border * size) return;
+        if (location.distance_px > max_px) throw_outside(id, location.distance_px);
+        at = place_of(mesh, location.triangle, location.barycentric);
+    };
     Rig result = rig;
     for (Handle& handle : result.handles) {
-        PointHandle* point = std::get_if<PointHandle>(&handle.shape);
-        if (point == nullptr) continue;
-        const MeshLocation location = locator.locate(point->at);
-        if (location.distance_px <= on_border * size) continue;
-        if (location.distance_px > max_px) throw_outside(handle.id, location.distance_px);
-        point->at = place_of(mesh, location.triangle, location.barycentric);
+        if (auto* point = std::get_if<PointHandle>(&handle.shape)) {
+            snap(handle.id, point->at);
+        } else if (auto* bone = std::get_if<BoneHandle>(&handle.shape)) {
+            // Bones that share a joint go on sharing it: what is moved is the same for both.
+            snap(handle.id, bone->from);
+            snap(handle.id, bone->to);
+        }
     }
     return result;
 }

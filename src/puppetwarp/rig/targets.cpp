@@ -2,7 +2,7 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/rig/bones.h>
-#include <puppetwarp/rig/region.h>
+#include <puppetwarp/rig/handle_maps.h>
 
 #include <cmath>
 
@@ -29,25 +29,6 @@ std::vector<HandlePose> handle_poses(const Rig& rig, const Pose& pose) {
     }
     return poses;
 }
-
-// How a handle that is no bone moves as a whole.
-struct MapOf {
-    const HandlePose& pose;
-    const Eigen::MatrixX2d& V;
-
-    AffineMap about(const Complex& centre) const {
-        if (pose.affine) return affine_map(*pose.affine);
-        const Complex turn = std::polar(pose.scale.value_or(1), pose.rotate_rad.value_or(0));
-        return similarity_about(centre, turn, pose.to ? complex_of(*pose.to) : centre);
-    }
-    AffineMap operator()(const PointHandle& point) const { return about(complex_of(point.at)); }
-    AffineMap operator()(const RegionHandle& region) const { return about(complex_of(region_centroid(region.points))); }
-    AffineMap operator()(const VertexHandle& vertex) const {
-        return about(complex_of(V.row(vertex.index).transpose()));
-    }
-    AffineMap operator()(const BoneHandle&) const { return {}; }
-    AffineMap operator()(const CageHandle&) const { return {}; }
-};
 
 // A turn as a hold's target; the move is not set.
 HoldTarget turn_target(const HandlePose& pose) {
@@ -88,12 +69,7 @@ class Resolver {
 public:
     Resolver(const Binding& binding, const TriangleMesh& mesh, const Rig& rig, const Pose& pose)
         : binding_(binding), mesh_(mesh), rig_(rig), size_(bounding_diagonal(mesh.V)), poses_(handle_poses(rig, pose)) {
-        targets_.maps = bone_maps(rig, pose);
-        for (std::size_t h = 0; h < rig.handles.size(); ++h) {
-            const auto& shape = rig.handles[h].shape;
-            if (std::holds_alternative<BoneHandle>(shape)) continue;
-            targets_.maps[h] = std::visit(MapOf{poses_[h], mesh.V}, shape);
-        }
+        targets_.maps = handle_maps(rig, pose, mesh.V);
     }
 
     void require_no_affine_points(std::string_view user) const;

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 namespace puppetwarp {
 namespace {
 
@@ -43,6 +45,24 @@ TEST(Overlay, CanvasMovesTheDrawing) {
     draw_handles(picture, rig, {}, {-20, -10, 80, 60});
     EXPECT_NE(picture.pixels.at<cv::Vec3b>(30, 50), cv::Vec3b(128, 128, 128));
     EXPECT_EQ(picture.pixels.at<cv::Vec3b>(20, 30), cv::Vec3b(128, 128, 128));
+}
+
+TEST(Overlay, BonesFollowTheirParentsAndRegionsTheirCentroids) {
+    Rig rig;
+    rig.handles = {{"upper", BoneHandle{{20.5, 30.5}, {40.5, 30.5}, ""}},
+                   {"lower", BoneHandle{{40.5, 30.5}, {55.5, 30.5}, "upper"}},
+                   {"spot", RegionHandle{{{50, 5}, {54, 5}, {54, 9}, {50, 9}}}}};
+    Pose pose;
+    pose.handles["upper"].rotate_rad = -std::numbers::pi / 2;  // up on the screen
+    pose.handles["spot"].to = Point(70.5, 50.5);
+    Image picture = grey_picture(CV_8UC1);
+    draw_handles(picture, rig, pose, {0, 0, 80, 60});
+    const auto drawn = [&](int x, int y) { return picture.pixels.at<std::uint8_t>(y, x) != 128; };
+    EXPECT_TRUE(drawn(20, 20));   // along the upper bone
+    EXPECT_TRUE(drawn(20, 1));    // along the lower one, which starts at (20.5, 10.5)
+    EXPECT_FALSE(drawn(48, 30));  // where it was
+    EXPECT_TRUE(drawn(70, 48));   // the region's upper edge
+    EXPECT_FALSE(drawn(52, 20));
 }
 
 TEST(Overlay, FarPositionsAreClippedNotWrapped) {

@@ -3,6 +3,7 @@
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/image/write.h>
 #include <puppetwarp/project/pipeline.h>
+#include <puppetwarp/project/stiffness_pictures.h>
 
 #include <opencv2/core.hpp>
 
@@ -139,6 +140,62 @@ TEST_F(Pipeline, CancellingLeavesByException) {
     } cancelling;
     const Puppet puppet = puppet_of(square(0));
     EXPECT_THROW(render(puppet, default_pose(puppet), {}, cancelling), Cancelled);
+}
+
+TEST_F(Pipeline, StiffnessPicturesAreLumaWithoutAlphaStretchedOverThePicture) {
+    Puppet puppet = puppet_of(square(0));
+    Image stiff;
+    stiff.pixels = cv::Mat(2, 1, CV_16UC4);
+    stiff.pixels.at<cv::Vec4w>(0, 0) = {65535, 0, 0, 0};
+    stiff.pixels.at<cv::Vec4w>(1, 0) = {0, 0, 65535, 65535};
+    write_image(stiff, folder / "stiff.png");
+    StiffnessPicture picture;
+    picture.path = "stiff.png";
+    picture.max = 5;
+    puppet.rig.stiffness = {StiffnessRegion{{{0, 0}, {1, 0}, {1, 1}}, 2}, picture};
+    const Rig rig = load_rig(puppet, 140, 160);
+    const auto& loaded = std::get<StiffnessPicture>(rig.stiffness[1]);
+    EXPECT_EQ(loaded.width_px, 140);
+    EXPECT_EQ(loaded.height_px, 160);
+    ASSERT_EQ(loaded.grey.type(), CV_32FC1);
+    EXPECT_NEAR(loaded.grey.at<float>(0, 0), 0.2126, 1e-6);
+    EXPECT_NEAR(loaded.grey.at<float>(1, 0), 0.0722, 1e-6);
+    EXPECT_EQ(std::get<StiffnessPicture>(load_rig(puppet, 0, 0).stiffness[1]).height_px, 2);
+    Image grey;
+    grey.pixels = cv::Mat(1, 1, CV_8UC1, cv::Scalar(51));
+    write_image(grey, folder / "stiff.png");
+    const Rig again = load_rig(puppet, 140, 140);
+    EXPECT_NEAR(std::get<StiffnessPicture>(again.stiffness[1]).grey.at<float>(0, 0), 0.2, 1e-6);
+    puppet.rig.stiffness = {picture};
+    std::get<StiffnessPicture>(puppet.rig.stiffness[0]).path = "gone.png";
+    EXPECT_THROW(render(puppet, Pose(), {}, progress), InvalidInput);
+}
+
+TEST_F(Pipeline, AWhitePictureIsARegionOfItsMaximum) {
+    Puppet puppet = puppet_of(square(0));
+    Pose pose;
+    pose.handles["b"].to = Point(110, 80);
+    Image white;
+    white.pixels = cv::Mat(9, 9, CV_8UC3, cv::Scalar::all(255));
+    write_image(white, folder / "white.png");
+    StiffnessPicture picture;
+    picture.path = "white.png";
+    picture.max = 7;
+    puppet.rig.stiffness = {picture};
+    const double by_picture = render(puppet, pose, {}, progress).report.energy;
+    puppet.rig.stiffness = {StiffnessRegion{{{-1, -1}, {141, -1}, {141, 141}, {-1, 141}}, 7}};
+    EXPECT_EQ(render(puppet, pose, {}, progress).report.energy, by_picture);
+}
+
+TEST_F(Pipeline, WarningsReachTheReport) {
+    Image two = square(0);
+    two.pixels(cv::Rect(0, 60, 140, 20)).setTo(cv::Scalar(0, 0, 0, 0));
+    Puppet puppet = puppet_of(two);
+    EXPECT_TRUE(render(puppet, Pose(), {}, progress).report.warnings.empty());
+    puppet.rig.handles.pop_back();
+    const RenderReport report = render(puppet, Pose(), {}, progress).report;
+    ASSERT_EQ(report.warnings.size(), 1u);
+    EXPECT_THAT(report.warnings[0], testing::HasSubstr("no handle"));
 }
 
 }  // namespace

@@ -64,7 +64,8 @@ const char* const full_document = R"({
     {
       "id": "torso",
       "type": "region",
-      "points": [[60, 60], [90, 60], [90, 120], [60, 120]]
+      "points": [[60, 60], [90, 60], [90, 120], [60, 120]],
+      "falloff": "geodesic"
     },
     {
       "id": "v7",
@@ -77,11 +78,19 @@ const char* const full_document = R"({
       "points": [[60, 60], [90, 60], [90, 120]],
       "value": 8,
       "why": "bone"
+    },
+    {
+      "image": "stiff.png",
+      "max": 20,
+      "painted_by": "hand"
     }
   ],
   "method": {
     "name": "arap",
     "arap_energy": "spokes-and-rims",
+    "bending_length_px": 12.5,
+    "stretching": 0.25,
+    "bending": 3,
     "tolerance": 1e-06,
     "max_iterations": 50,
     "later": true
@@ -112,6 +121,9 @@ const char* const full_document = R"({
       "name": "bow",
       "time_s": 1.5,
       "handles": {
+        "hand": {
+          "turn_deg": -400.5
+        },
         "torso": {
           "affine": [1, 0, 0.5, 1, 10, -20]
         }
@@ -141,6 +153,13 @@ TEST(Puppet, EveryFieldIsRead) {
     EXPECT_EQ(std::get<BoneHandle>(puppet.rig.handles[2].shape).parent, "spine");
     EXPECT_EQ(std::get<VertexHandle>(puppet.rig.handles[5].shape).index, 7);
     EXPECT_EQ(std::get<StiffnessRegion>(puppet.rig.stiffness.at(0)).value, 8);
+    EXPECT_EQ(std::get<StiffnessPicture>(puppet.rig.stiffness.at(1)).path, "stiff.png");
+    EXPECT_EQ(std::get<StiffnessPicture>(puppet.rig.stiffness.at(1)).max, 20);
+    EXPECT_EQ(std::get<RegionHandle>(puppet.rig.handles[4].shape).falloff, Falloff::geodesic);
+    EXPECT_EQ(puppet.method.bending_length_px, 12.5);
+    EXPECT_EQ(puppet.method.stretching, 0.25);
+    EXPECT_EQ(puppet.method.bending, 3);
+    EXPECT_NEAR(*puppet.poses.at(1).handles.at("hand").turn_rad, -400.5 * std::numbers::pi / 180, 1e-13);
     EXPECT_EQ(puppet.method.arap_energy, ArapEnergy::spokes_and_rims);
     EXPECT_EQ(puppet.method.max_iterations, 50);
     const HandlePose& hand = puppet.poses.at(0).handles.at("hand");
@@ -182,11 +201,13 @@ TEST(Puppet, DefaultsNeedOnlyFormatAndVersion) {
 TEST(Puppet, AnglesComeBackAsTyped) {
     for (const double degrees : {20.0, -170.0, 0.1, 33.3333, 720.5}) {
         const std::string text = Json(degrees).dump();
-        const Puppet puppet = parse(R"({"format": "puppetwarp", "version": 1,
-            "handles": [{"id": "a", "type": "point", "at": [1, 2]}],
-            "poses": [{"name": "p", "handles": {"a": {"rotate_deg": )" +
-                                    text + "}}}]}");
-        EXPECT_EQ(Json::parse(to_json(puppet))["poses"][0]["handles"]["a"]["rotate_deg"].get<double>(), degrees);
+        for (const char* key : {"rotate_deg", "turn_deg"}) {
+            const Puppet puppet = parse(R"({"format": "puppetwarp", "version": 1,
+                "handles": [{"id": "a", "type": "point", "at": [1, 2]}],
+                "poses": [{"name": "p", "handles": {"a": {")" +
+                                        std::string(key) + "\": " + text + "}}}]}");
+            EXPECT_EQ(Json::parse(to_json(puppet))["poses"][0]["handles"]["a"][key].get<double>(), degrees);
+        }
     }
 }
 
@@ -208,13 +229,14 @@ TEST(Puppet, PathsFollowTheFile) {
     std::filesystem::create_directories(folder.path() / "a");
     std::filesystem::create_directories(folder.path() / "b/c");
     tests::put_bytes(folder / "a/one.json", R"({"format": "puppetwarp", "version": 1, "image": "pictures/x.png",
-        "cutout": {"from": "mask", "path": "../m.png"}})");
+        "cutout": {"from": "mask", "path": "../m.png"}, "stiffness": [{"image": "s.png", "max": 3}]})");
     const Puppet puppet = read_puppet(folder / "a/one.json");
     EXPECT_EQ(resolve(puppet, puppet.image), folder.path() / "a/pictures/x.png");
     write_puppet(puppet, folder / "b/c/two.json");
     const Puppet moved = read_puppet(folder / "b/c/two.json");
     EXPECT_EQ(moved.image, "../../a/pictures/x.png");
     EXPECT_EQ(moved.cutout.path, "../../m.png");
+    EXPECT_EQ(std::get<StiffnessPicture>(moved.rig.stiffness.at(0)).path, "../../a/s.png");
     write_puppet(puppet, folder / "a/three.json");
     EXPECT_EQ(read_puppet(folder / "a/three.json").image, "pictures/x.png");
 }
@@ -252,6 +274,16 @@ TEST(Puppet, MistakesNameTheirField) {
     EXPECT_THAT(complaint(head + R"("poses": [{"name": "a"}, {"name": "a"}]})"), testing::HasSubstr("poses[1]"));
     EXPECT_THAT(complaint(head + R"("cutout": {"from": "mask"}})"),
                 testing::HasSubstr("cutout lacks the field `path`"));
+    EXPECT_THAT(complaint(head + R"("stiffness": [{"image": "s.png"}]})"),
+                testing::HasSubstr("stiffness[0] lacks the field `max`"));
+    EXPECT_THAT(complaint(head + R"("stiffness": [{"image": "", "max": 2}]})"),
+                testing::HasSubstr("stiffness[0].image"));
+    EXPECT_THAT(complaint(head + R"("method": {"bending_length_px": 0}})"), testing::HasSubstr("bending_length_px"));
+    EXPECT_THAT(complaint(head + R"("method": {"stretching": -1}})"), testing::HasSubstr("method.stretching"));
+    EXPECT_THAT(
+        complaint(head + R"("handles": [{"id": "r", "type": "region", "points": [[0, 0], [1, 0], [0, 1]],
+                                               "falloff": "steep"}]})"),
+        testing::AllOf(testing::HasSubstr("handles[0].falloff"), testing::HasSubstr("none, harmonic, geodesic")));
     EXPECT_THAT(complaint(head + R"("stiffness": [{"points": [[0, 0], [1, 0], [0, 1]], "value": 0}]})"),
                 testing::HasSubstr("stiffness[0].value must be above 0"));
     EXPECT_THAT(complaint("{\n\"format\": \"puppetwarp\",\n\"version\": 1,,\n}"), testing::HasSubstr("line 3"));

@@ -100,6 +100,16 @@ TEST(Pose, AcceptsWhatEachTypeHas) {
               "");
     EXPECT_EQ(pose_message("hull", made([](HandlePose& p) { p.points = Polyline{{0, 0}, {1, 0}, {1, 1}}; })), "");
     EXPECT_EQ(pose_message("v7", made([](HandlePose& p) { p.to = Point(1, 1); })), "");
+    EXPECT_EQ(pose_message("hand", made([](HandlePose& p) {
+                               p.turn_rad = 9.0;
+                               p.scale = 2.0;
+                           })),
+              "");
+    EXPECT_EQ(pose_message("torso", made([](HandlePose& p) {
+                               p.to = Point(1, 1);
+                               p.rotate_rad = 1.0;
+                           })),
+              "");
 }
 
 TEST(Pose, NamesTheHandleAndTheField) {
@@ -113,6 +123,15 @@ TEST(Pose, NamesTheHandleAndTheField) {
                 HasSubstr("a point does not have 'from'"));
     EXPECT_THAT(pose_message("v7", made([](HandlePose& p) { p.rotate_rad = 1.0; })),
                 HasSubstr("a vertex does not have 'rotate_deg'"));
+    EXPECT_THAT(pose_message("hand", made([](HandlePose& p) { p.scale = 2e6; })), HasSubstr("scale is above"));
+    EXPECT_THAT(pose_message("hand", made([](HandlePose& p) { p.turn_rad = 1e5; })), HasSubstr("turn_deg"));
+    EXPECT_THAT(pose_message("arm", made([](HandlePose& p) { p.turn_rad = 1; })),
+                HasSubstr("a bone does not have 'turn_deg'"));
+    EXPECT_THAT(pose_message("arm", made([](HandlePose& p) {
+                                 p.to = Point(1, 1);
+                                 p.rotate_rad = 1.0;
+                             })),
+                AllOf(HasSubstr("'arm'"), HasSubstr("beside rotate_deg")));
     EXPECT_THAT(pose_message("hull", made([](HandlePose& p) {
                                  p.points = Polyline{{0, 0}, {1, 0}};
                              })),

@@ -24,8 +24,7 @@ std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const Tria
         case Method::harmonic: return std::make_unique<PolyharmonicDeformer>(1, mesh, rig);
         case Method::biharmonic: return std::make_unique<PolyharmonicDeformer>(2, mesh, rig);
         case Method::laplacian:
-        case Method::laplacian_similarity:
-            return std::make_unique<LinearLaplacianDeformer>(options.method, mesh, rig);
+        case Method::laplacian_similarity: return std::make_unique<LinearLaplacianDeformer>(options.method, mesh, rig);
         case Method::laplacian_rotated: return std::make_unique<RotatedLaplacianDeformer>(options, mesh, rig);
         case Method::multiresolution: return std::make_unique<MultiresolutionDeformer>(options, mesh, rig);
         case Method::mls_affine:

@@ -67,7 +67,8 @@ private:
     // Of what was chosen: functionals of positions, their responses as columns, and the system between them.
     std::vector<ComplexRow> functionals_;  // with their directions multiplied in: the real part counts
     Eigen::MatrixXcd W_;
-    Eigen::PartialPivLU<Eigen::MatrixXd> system_;
+    Eigen::MatrixXd system_;
+    Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
 };
 
 }  // namespace puppetwarp

@@ -108,9 +108,20 @@ void ConstrainedMetric::choose(const std::vector<ComplexRow>& rows, const std::v
 }
 
 Eigen::VectorXcd ConstrainedMetric::step(const Eigen::VectorXcd& q, const Eigen::VectorXd& missing) const {
-    assert(missing.size() == 0 || penalty_ == 0);
     Eigen::VectorXcd p = hessian_->inverse_times(q);
-    if (functionals_.empty()) return p;
+    bring_onto(missing, p);
+    return p;
+}
+
+Eigen::VectorXcd ConstrainedMetric::correction(const Eigen::VectorXd& missing) const {
+    Eigen::VectorXcd p = Eigen::VectorXcd::Zero(vertices_);
+    bring_onto(missing, p);
+    return p;
+}
+
+void ConstrainedMetric::bring_onto(const Eigen::VectorXd& missing, Eigen::VectorXcd& p) const {
+    assert(missing.size() == 0 || penalty_ == 0);
+    if (functionals_.empty()) return;
     Eigen::VectorXd off(static_cast<Eigen::Index>(functionals_.size()));
     for (Eigen::Index i = 0; i < off.size(); ++i) off(i) = real_value(functionals_[static_cast<std::size_t>(i)], p);
     off.head(missing.size()) -= missing;
@@ -118,7 +129,6 @@ Eigen::VectorXcd ConstrainedMetric::step(const Eigen::VectorXcd& q, const Eigen:
     // Without this the compliance would let the conditions drift, a little in each step, along the forces on them.
     forces += factor_.solve(off - system_ * forces);
     p -= W_ * forces;
-    return p;
 }
 
 }  // namespace puppetwarp

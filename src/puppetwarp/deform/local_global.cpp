@@ -60,8 +60,8 @@ double ArapLocalGlobal::step(const Pose& pose, Eigen::MatrixX2d& V) const {
     const Targets targets = resolve(parts_->binding, parts_->mesh, parts_->rig, pose, AffineUse::no, user);
     const HeldGoals goals = parts_->quadratic.goals_of(targets, complex_positions(parts_->mesh.V), true);
     Eigen::VectorXcd x = complex_positions(V);
-    // With the rotations held, the energy is quadratic with the constant Hessian H, and its gradient is the energy's own:
-    // the step to its minimum is -H^-1 gradient.
+    // With the rotations held, the energy is quadratic with the constant Hessian H, and its gradient is the energy's
+    // own: the step to its minimum is -H^-1 gradient.
     Eigen::VectorXcd gradient;
     parts_->arap->gradient(x, gradient);
     const Eigen::VectorXcd load = -gradient;

@@ -10,7 +10,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Gives conditions that repeat each other a definite system; what it leaves unmet is round-off.
+// Makes the system regular where conditions repeat each other; one refinement takes it out again.
 constexpr double compliance = 1e-12;
 
 ComplexRow turned(const ComplexRow& row, const Complex& direction) {
@@ -100,20 +100,35 @@ void ConstrainedMetric::choose(const std::vector<ComplexRow>& rows, const std::v
             system(i, j) = real_value(functionals_[static_cast<std::size_t>(i)], response);
         }
     }
-    for (Eigen::Index i = 0; i < count; ++i) system(i, i) += penalty_ > 0 ? 1 / penalty_ : compliance * system(i, i);
+    for (Eigen::Index i = 0; i < count && penalty_ > 0; ++i) system(i, i) += 1 / penalty_;
     for (Eigen::Index i = count; i < all; ++i) system(i, i) -= 1 / ground_stiffness_;
-    system_.compute(system);
+    system_ = system;
+    for (Eigen::Index i = 0; i < count && penalty_ == 0; ++i) system(i, i) *= 1 + compliance;
+    factor_.compute(system);
 }
 
 Eigen::VectorXcd ConstrainedMetric::step(const Eigen::VectorXcd& q, const Eigen::VectorXd& missing) const {
-    assert(missing.size() == 0 || penalty_ == 0);
     Eigen::VectorXcd p = hessian_->inverse_times(q);
-    if (functionals_.empty()) return p;
+    bring_onto(missing, p);
+    return p;
+}
+
+Eigen::VectorXcd ConstrainedMetric::correction(const Eigen::VectorXd& missing) const {
+    Eigen::VectorXcd p = Eigen::VectorXcd::Zero(vertices_);
+    bring_onto(missing, p);
+    return p;
+}
+
+void ConstrainedMetric::bring_onto(const Eigen::VectorXd& missing, Eigen::VectorXcd& p) const {
+    assert(missing.size() == 0 || penalty_ == 0);
+    if (functionals_.empty()) return;
     Eigen::VectorXd off(static_cast<Eigen::Index>(functionals_.size()));
     for (Eigen::Index i = 0; i < off.size(); ++i) off(i) = real_value(functionals_[static_cast<std::size_t>(i)], p);
     off.head(missing.size()) -= missing;
-    p -= W_ * system_.solve(off);
-    return p;
+    Eigen::VectorXd forces = factor_.solve(off);
+    // Without this the compliance would let the conditions drift, a little in each step, along the forces on them.
+    forces += factor_.solve(off - system_ * forces);
+    p -= W_ * forces;
 }
 
 }  // namespace puppetwarp

@@ -45,6 +45,9 @@ public:
     //! where that is empty. With a penalty the conditions are springs, part of H, and `missing` is empty.
     Eigen::VectorXcd step(const Eigen::VectorXcd& q, const Eigen::VectorXd& missing = {}) const;
 
+    //! `step` for no load: the cheapest move that changes the conditions' left sides by `missing`.
+    Eigen::VectorXcd correction(const Eigen::VectorXd& missing) const;
+
     bool exact() const { return hessian_->exact(); }
 
 private:
@@ -53,6 +56,7 @@ private:
         Eigen::VectorXcd re;
         Eigen::VectorXcd im;
     };
+    void bring_onto(const Eigen::VectorXd& missing, Eigen::VectorXcd& p) const;
     bool same_as_chosen(const std::vector<Condition>& conditions, bool keep_grounds) const;
     const Response& response(int key, const ComplexRow& row);
 
@@ -67,7 +71,8 @@ private:
     // Of what was chosen: functionals of positions, their responses as columns, and the system between them.
     std::vector<ComplexRow> functionals_;  // with their directions multiplied in: the real part counts
     Eigen::MatrixXcd W_;
-    Eigen::PartialPivLU<Eigen::MatrixXd> system_;
+    Eigen::MatrixXd system_;
+    Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
 };
 
 }  // namespace puppetwarp

@@ -16,7 +16,7 @@ constexpr double settled_share = 5e-5;
 // On the way to far targets, near is enough.
 constexpr double on_the_way_share = 2e-3;
 // Without a worker: iterations beyond the first of each call that pay for a factor.
-constexpr int worth_a_factor = 8;
+constexpr int worth_a_factor = 14;
 // Energies below this share of the squared size are what round-off makes of none.
 constexpr double round_off_energy = 1e-18;
 
@@ -135,7 +135,7 @@ Drag::Went Drag::iterate(bool to_the_end, InteractiveFrame& frame) {
     }
     gained_ = before - descent.value();
     ++frame.iterations;
-    if (frame.iterations > 1) ++age_;
+    if (++served_ > 1) ++age_;
     return Went::on;
 }
 
@@ -153,6 +153,7 @@ InteractiveFrame Drag::advance(const Pose& pose, double budget_ms) {
     // Calls with one pose go on to the end; the first of them settles.
     const bool again = last_goals_ && *last_goals_ == goals;
     last_goals_ = goals;
+    if (!again) served_ = 0;
     take_new_metric();
     InteractiveFrame frame;
     bool there = again && at_goals_;

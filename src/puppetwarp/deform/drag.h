@@ -49,7 +49,8 @@ private:
     std::shared_ptr<ConstrainedMetric> metric_;
     std::optional<Goals> last_goals_;
     std::vector<double> turns_;  // of each hold
-    int age_ = 0;                // iterations that the metric has served beyond the first of each call
+    int served_ = 0;             // iterations for the goals at hand
+    int age_ = 0;                // iterations that the metric has served beyond the first for each goals
     bool converged_ = false;
     bool at_goals_ = false;
     double gained_ = 0;

@@ -19,11 +19,11 @@ const TriangleMesh& checked(const TriangleMesh& mesh, const Rig& rig) {
     return mesh;
 }
 
-QuadraticForm form_of(const ArapCells& cells) {
+QuadraticForm form_of(const Energy& energy) {
     QuadraticForm form;
-    form.A = cells.K().cast<Complex>();
+    form.A = energy.constant_hessian().cast<Complex>();
     form.A.makeCompressed();
-    form.product = [&K = cells.K()](const Eigen::VectorXcd& x) -> Eigen::VectorXcd { return K * x; };
+    form.product = [&H = energy.constant_hessian()](const Eigen::VectorXcd& x) -> Eigen::VectorXcd { return H * x; };
     return form;
 }
 
@@ -34,8 +34,8 @@ struct ArapLocalGlobal::Parts {
         : mesh(checked(mesh_, rig_)),
           rig(rig_),
           binding(take_hold(mesh, rig, user)),
-          cells(mesh, energy, triangle_stiffness(mesh, rig.stiffness)),
-          quadratic(form_of(cells), mesh, binding, AffineUse::no) {}
+          arap(make_arap_energy(energy, mesh, triangle_stiffness(mesh, rig.stiffness))),
+          quadratic(form_of(*arap), mesh, binding, AffineUse::no) {}
 
     void require_fits(const Eigen::MatrixX2d& V) const {
         if (V.rows() == mesh.V.rows() && V.allFinite()) return;
@@ -45,8 +45,8 @@ struct ArapLocalGlobal::Parts {
     TriangleMesh mesh;
     Rig rig;
     Binding binding;
-    ArapCells cells;
-    HeldQuadratic quadratic;  // refers to cells
+    std::unique_ptr<const Energy> arap;
+    HeldQuadratic quadratic;  // refers to arap
 };
 
 ArapLocalGlobal::ArapLocalGlobal(const TriangleMesh& mesh, const Rig& rig, ArapEnergy energy)
@@ -60,20 +60,20 @@ double ArapLocalGlobal::step(const Pose& pose, Eigen::MatrixX2d& V) const {
     const Targets targets = resolve(parts_->binding, parts_->mesh, parts_->rig, pose, AffineUse::no, user);
     const HeldGoals goals = parts_->quadratic.goals_of(targets, complex_positions(parts_->mesh.V), true);
     Eigen::VectorXcd x = complex_positions(V);
-    // With the rotations held, the energy is x^H K x - 2 Re(b^H x) + constant and its gradient 2 (K x - b): the step to
-    // its minimum is -K^-1 gradient / 2.
+    // With the rotations held, the energy is quadratic with the constant Hessian H, and its gradient is the energy's
+    // own: the step to its minimum is -H^-1 gradient.
     Eigen::VectorXcd gradient;
-    parts_->cells.gradient(x, gradient);
-    const Eigen::VectorXcd load = -gradient / 2;
+    parts_->arap->gradient(x, gradient);
+    const Eigen::VectorXcd load = -gradient;
     parts_->quadratic.step(goals, &load, x);
     parts_->quadratic.require_met(goals, x, pose.name);
     V = point_positions(x);
-    return parts_->cells.energy(x);
+    return parts_->arap->value(x);
 }
 
 double ArapLocalGlobal::energy(const Eigen::MatrixX2d& V) const {
     parts_->require_fits(V);
-    return parts_->cells.energy(complex_positions(V));
+    return parts_->arap->value(complex_positions(V));
 }
 
 }  // namespace puppetwarp

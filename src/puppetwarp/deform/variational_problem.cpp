@@ -1,6 +1,6 @@
 #include <puppetwarp/deform/variational_problem.h>
 
-#include <puppetwarp/deform/arap_cells.h>
+#include <puppetwarp/deform/arap_energy.h>
 #include <puppetwarp/deform/element_energy.h>
 #include <puppetwarp/deform/smooth_arap_energy.h>
 
@@ -33,8 +33,7 @@ std::unique_ptr<const Energy> make_energy(const MethodOptions& options, const Tr
                                                       options.bending_length_px.value_or(bending_share * size));
         default: break;
     }
-    if (options.arap_energy == ArapEnergy::elements) return make_element_arap(mesh, stiffness);
-    return std::make_unique<ArapCells>(mesh, options.arap_energy, stiffness);
+    return make_arap_energy(options.arap_energy, mesh, stiffness);
 }
 
 }  // namespace

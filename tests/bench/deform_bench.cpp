@@ -186,6 +186,27 @@ BENCHMARK_CAPTURE(make, arap, Method::arap)->Arg(5)->Arg(20)->Unit(benchmark::kM
 BENCHMARK_CAPTURE(from_rest, harmonic, Method::harmonic)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(from_rest, biharmonic, Method::biharmonic)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(from_rest, arap, Method::arap)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(make, laplacian, Method::laplacian)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(make, laplacian_rotated, Method::laplacian_rotated)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(make, laplacian_similarity, Method::laplacian_similarity)
+    ->Arg(5)
+    ->Arg(20)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(make, multiresolution, Method::multiresolution)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(make, mls_affine, Method::mls_affine)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(make, mls_rigid, Method::mls_rigid)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(from_rest, laplacian, Method::laplacian)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(from_rest, laplacian_rotated, Method::laplacian_rotated)
+    ->Arg(5)
+    ->Arg(20)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(from_rest, laplacian_similarity, Method::laplacian_similarity)
+    ->Arg(5)
+    ->Arg(20)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(from_rest, multiresolution, Method::multiresolution)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(from_rest, mls_affine, Method::mls_affine)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(from_rest, mls_rigid, Method::mls_rigid)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 BENCHMARK(warm_frame)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 BENCHMARK(local_global_frame)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 

@@ -1,5 +1,6 @@
 #include <puppetwarp/deform/constrained_metric.h>
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -9,7 +10,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Gives conditions that repeat each other a definite system; what it leaves unmet is round-off.
+// Makes the system regular where conditions repeat each other; one refinement takes it out again.
 constexpr double compliance = 1e-12;
 
 ComplexRow turned(const ComplexRow& row, const Complex& direction) {
@@ -36,6 +37,20 @@ ConstrainedMetric::ConstrainedMetric(std::shared_ptr<const FactoredHessian> hess
     for (const int v : grounds.vertices) ground_rows_.push_back({{v, 1.0}});
 }
 
+std::shared_ptr<ConstrainedMetric> ConstrainedMetric::with_rows(const std::vector<int>& old_of_new) const {
+    auto metric = std::make_shared<ConstrainedMetric>(hessian_, vertices_, VertexSprings{}, penalty_);
+    metric->ground_stiffness_ = ground_stiffness_;
+    metric->ground_rows_ = ground_rows_;
+    for (const auto& [key, response] : responses_) {
+        if (key < 0) metric->responses_.emplace(key, response);
+    }
+    for (std::size_t row = 0; row < old_of_new.size(); ++row) {
+        const auto found = old_of_new[row] < 0 ? responses_.end() : responses_.find(old_of_new[row]);
+        if (found != responses_.end()) metric->responses_.emplace(static_cast<int>(row), found->second);
+    }
+    return metric;
+}
+
 const ConstrainedMetric::Response& ConstrainedMetric::response(int key, const ComplexRow& row) {
     const auto found = responses_.find(key);
     if (found != responses_.end()) return found->second;
@@ -47,8 +62,19 @@ const ConstrainedMetric::Response& ConstrainedMetric::response(int key, const Co
     return responses_.emplace(key, std::move(response)).first->second;
 }
 
+// The values of conditions are no part of the system.
+bool ConstrainedMetric::same_as_chosen(const std::vector<Condition>& conditions, bool keep_grounds) const {
+    return chosen_ && grounds_kept_ == keep_grounds &&
+           std::equal(
+               chosen_->begin(), chosen_->end(), conditions.begin(), conditions.end(),
+               [](const Condition& a, const Condition& b) { return a.row == b.row && a.direction == b.direction; });
+}
+
 void ConstrainedMetric::choose(const std::vector<ComplexRow>& rows, const std::vector<Condition>& conditions,
                                bool keep_grounds) {
+    if (same_as_chosen(conditions, keep_grounds)) return;
+    chosen_ = conditions;
+    grounds_kept_ = keep_grounds;
     const std::size_t grounds = keep_grounds ? 0 : 2 * ground_rows_.size();
     const auto count = static_cast<Eigen::Index>(conditions.size());
     const auto all = count + static_cast<Eigen::Index>(grounds);
@@ -74,20 +100,35 @@ void ConstrainedMetric::choose(const std::vector<ComplexRow>& rows, const std::v
             system(i, j) = real_value(functionals_[static_cast<std::size_t>(i)], response);
         }
     }
-    for (Eigen::Index i = 0; i < count; ++i) system(i, i) += penalty_ > 0 ? 1 / penalty_ : compliance * system(i, i);
+    for (Eigen::Index i = 0; i < count && penalty_ > 0; ++i) system(i, i) += 1 / penalty_;
     for (Eigen::Index i = count; i < all; ++i) system(i, i) -= 1 / ground_stiffness_;
-    system_.compute(system);
+    system_ = system;
+    for (Eigen::Index i = 0; i < count && penalty_ == 0; ++i) system(i, i) *= 1 + compliance;
+    factor_.compute(system);
 }
 
 Eigen::VectorXcd ConstrainedMetric::step(const Eigen::VectorXcd& q, const Eigen::VectorXd& missing) const {
-    assert(missing.size() == 0 || penalty_ == 0);
     Eigen::VectorXcd p = hessian_->inverse_times(q);
-    if (functionals_.empty()) return p;
+    bring_onto(missing, p);
+    return p;
+}
+
+Eigen::VectorXcd ConstrainedMetric::correction(const Eigen::VectorXd& missing) const {
+    Eigen::VectorXcd p = Eigen::VectorXcd::Zero(vertices_);
+    bring_onto(missing, p);
+    return p;
+}
+
+void ConstrainedMetric::bring_onto(const Eigen::VectorXd& missing, Eigen::VectorXcd& p) const {
+    assert(missing.size() == 0 || penalty_ == 0);
+    if (functionals_.empty()) return;
     Eigen::VectorXd off(static_cast<Eigen::Index>(functionals_.size()));
     for (Eigen::Index i = 0; i < off.size(); ++i) off(i) = real_value(functionals_[static_cast<std::size_t>(i)], p);
     off.head(missing.size()) -= missing;
-    p -= W_ * system_.solve(off);
-    return p;
+    Eigen::VectorXd forces = factor_.solve(off);
+    // Without this the compliance would let the conditions drift, a little in each step, along the forces on them.
+    forces += factor_.solve(off - system_ * forces);
+    p -= W_ * forces;
 }
 
 }  // namespace puppetwarp

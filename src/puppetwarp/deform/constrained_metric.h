@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include <map>
+#include <optional>
 
 namespace puppetwarp {
 
@@ -31,6 +32,10 @@ public:
     ConstrainedMetric(std::shared_ptr<const FactoredHessian> hessian, Eigen::Index vertices,
                       const VertexSprings& grounds, double penalty);
 
+    //! The same Hessian for other rows, what was solved for known ones kept.
+    //! \param old_of_new  for each of the new rows its index among the old, or -1.
+    std::shared_ptr<ConstrainedMetric> with_rows(const std::vector<int>& old_of_new) const;
+
     //! Chooses the conditions that hold from now on.
     //! \param rows          of which conditions are made: always the same ones, or more at the end.
     //! \param keep_grounds  for handles that leave rigid motions free: the metric is then stiffer than the energy.
@@ -40,6 +45,9 @@ public:
     //! where that is empty. With a penalty the conditions are springs, part of H, and `missing` is empty.
     Eigen::VectorXcd step(const Eigen::VectorXcd& q, const Eigen::VectorXd& missing = {}) const;
 
+    //! `step` for no load: the cheapest move that changes the conditions' left sides by `missing`.
+    Eigen::VectorXcd correction(const Eigen::VectorXd& missing) const;
+
     bool exact() const { return hessian_->exact(); }
 
 private:
@@ -48,6 +56,8 @@ private:
         Eigen::VectorXcd re;
         Eigen::VectorXcd im;
     };
+    void bring_onto(const Eigen::VectorXd& missing, Eigen::VectorXcd& p) const;
+    bool same_as_chosen(const std::vector<Condition>& conditions, bool keep_grounds) const;
     const Response& response(int key, const ComplexRow& row);
 
     std::shared_ptr<const FactoredHessian> hessian_;
@@ -56,10 +66,13 @@ private:
     double ground_stiffness_;
     std::vector<ComplexRow> ground_rows_;
     std::map<int, Response> responses_;  // by row; grounds are -1, -2, ...
-    // What was chosen: functionals of positions, their responses as columns, and the system between them.
+    std::optional<std::vector<Condition>> chosen_;
+    bool grounds_kept_ = false;
+    // Of what was chosen: functionals of positions, their responses as columns, and the system between them.
     std::vector<ComplexRow> functionals_;  // with their directions multiplied in: the real part counts
     Eigen::MatrixXcd W_;
-    Eigen::PartialPivLU<Eigen::MatrixXd> system_;
+    Eigen::MatrixXd system_;
+    Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
 };
 
 }  // namespace puppetwarp

@@ -68,7 +68,7 @@ void Descent::meet_conditions(const ConstrainedMetric& metric) {
 
 void Descent::polish_conditions(const ConstrainedMetric& metric) {
     if (objective_.penalty > 0 || objective_.conditions.empty()) return;
-    for (int pass = 0; pass < 2; ++pass) x_ += metric.step(Eigen::VectorXcd::Zero(x_.size()), objective_.missing(x_));
+    for (int pass = 0; pass < 2; ++pass) x_ += metric.correction(objective_.missing(x_));
     restart();
 }
 

@@ -14,12 +14,16 @@ struct HoldGoal {
     std::optional<double> angle_rad;
     std::optional<double> scale;
     std::optional<double> way_rad;  //!< of a free angle: how far it is to turn on the way, whole turns counted
+
+    bool operator==(const HoldGoal&) const = default;
 };
 
 //! Where all that is held is to be.
 struct Goals {
     std::vector<HoldGoal> holds;  //!< in the order of Binding::holds
     Eigen::VectorXcd vertices;    //!< positions, in the order of Binding::vertices
+
+    bool operator==(const Goals& other) const { return holds == other.holds && vertices == other.vertices; }
 };
 
 //! The goals that targets ask for. \param rest  #V

@@ -2,10 +2,15 @@
 
 #include <puppetwarp/base/errors.h>
 
+#include <puppetwarp/deform/laplacian_linear.h>
+#include <puppetwarp/deform/laplacian_rotated.h>
+#include <puppetwarp/deform/moving_least_squares.h>
+#include <puppetwarp/deform/multiresolution.h>
 #include <puppetwarp/deform/polyharmonic.h>
 #include <puppetwarp/deform/thin_shell.h>
 #include <puppetwarp/deform/variational.h>
 
+#include <cassert>
 #include <cmath>
 
 namespace puppetwarp {
@@ -22,16 +27,25 @@ std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const Tria
     require_sound(mesh, "mesh");
     require_sound(rig);
     switch (options.method) {
-        case Method::arap:
-        case Method::smooth_arap:
-        case Method::fold_free: return std::make_unique<VariationalDeformer>(options, mesh, rig);
         case Method::harmonic: return make_polyharmonic(1, mesh, rig);
         case Method::biharmonic: return make_polyharmonic(2, mesh, rig);
         case Method::triharmonic: return make_polyharmonic(3, mesh, rig);
         case Method::tetraharmonic: return make_polyharmonic(4, mesh, rig);
         case Method::thin_shell: return make_thin_shell(options, mesh, rig);
-        default: throw InvalidInput("method '" + method_name(options.method) + "'", "this version does not have it");
+        case Method::laplacian:
+        case Method::laplacian_similarity: return std::make_unique<LinearLaplacianDeformer>(options.method, mesh, rig);
+        case Method::laplacian_rotated: return std::make_unique<RotatedLaplacianDeformer>(options, mesh, rig);
+        case Method::multiresolution: return std::make_unique<MultiresolutionDeformer>(options, mesh, rig);
+        case Method::arap:
+        case Method::smooth_arap:
+        case Method::fold_free:
+            return std::make_unique<VariationalDeformer>(std::make_shared<VariationalProblem>(options, mesh, rig));
+        case Method::mls_affine:
+        case Method::mls_similarity:
+        case Method::mls_rigid: return std::make_unique<MovingLeastSquaresDeformer>(options.method, mesh, rig);
     }
+    assert(false);
+    return nullptr;
 }
 
 }  // namespace puppetwarp

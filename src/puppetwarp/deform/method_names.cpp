@@ -9,58 +9,43 @@ namespace puppetwarp {
 
 namespace {
 
-struct NamedMethod {
-    Method value;
-    const char* name;
-    bool built;  // whether `make_deformer` knows it
-};
-
-constexpr std::array<NamedMethod, 15> methods{{{Method::harmonic, "harmonic", true},
-                                               {Method::biharmonic, "biharmonic", true},
-                                               {Method::triharmonic, "triharmonic", true},
-                                               {Method::tetraharmonic, "tetraharmonic", true},
-                                               {Method::thin_shell, "thin-shell", true},
-                                               {Method::laplacian, "laplacian", false},
-                                               {Method::laplacian_rotated, "laplacian-rotated", false},
-                                               {Method::laplacian_similarity, "laplacian-similarity", false},
-                                               {Method::multiresolution, "multiresolution", false},
-                                               {Method::arap, "arap", true},
-                                               {Method::smooth_arap, "smooth-arap", true},
-                                               {Method::fold_free, "fold-free", true},
-                                               {Method::mls_affine, "mls-affine", false},
-                                               {Method::mls_similarity, "mls-similarity", false},
-                                               {Method::mls_rigid, "mls-rigid", false}}};
-
-struct NamedEnergy {
-    ArapEnergy value;
+template <typename Enum>
+struct Named {
+    Enum value;
     const char* name;
 };
 
-constexpr std::array<NamedEnergy, 3> arap_energies{{{ArapEnergy::elements, "elements"},
-                                                    {ArapEnergy::spokes, "spokes"},
-                                                    {ArapEnergy::spokes_and_rims, "spokes-and-rims"}}};
+constexpr std::array<Named<Method>, 15> methods{{{Method::harmonic, "harmonic"},
+                                                 {Method::biharmonic, "biharmonic"},
+                                                 {Method::triharmonic, "triharmonic"},
+                                                 {Method::tetraharmonic, "tetraharmonic"},
+                                                 {Method::thin_shell, "thin-shell"},
+                                                 {Method::laplacian, "laplacian"},
+                                                 {Method::laplacian_rotated, "laplacian-rotated"},
+                                                 {Method::laplacian_similarity, "laplacian-similarity"},
+                                                 {Method::multiresolution, "multiresolution"},
+                                                 {Method::arap, "arap"},
+                                                 {Method::smooth_arap, "smooth-arap"},
+                                                 {Method::fold_free, "fold-free"},
+                                                 {Method::mls_affine, "mls-affine"},
+                                                 {Method::mls_similarity, "mls-similarity"},
+                                                 {Method::mls_rigid, "mls-rigid"}}};
 
-bool offered(const NamedMethod& method) {
-    return method.built;
-}
-
-bool offered(const NamedEnergy&) {
-    return true;
-}
+constexpr std::array<Named<ArapEnergy>, 3> arap_energies{{{ArapEnergy::elements, "elements"},
+                                                          {ArapEnergy::spokes, "spokes"},
+                                                          {ArapEnergy::spokes_and_rims, "spokes-and-rims"}}};
 
 template <typename Table>
 std::string listed(const Table& table) {
     std::string list;
-    for (const auto& entry : table) {
-        if (offered(entry)) list += (list.empty() ? "" : ", ") + std::string(entry.name);
-    }
+    for (const auto& entry : table) list += (list.empty() ? "" : ", ") + std::string(entry.name);
     return list;
 }
 
 template <typename Table>
 auto value_of(const Table& table, std::string_view name, const char* what) {
     for (const auto& entry : table) {
-        if (offered(entry) && entry.name == name) return entry.value;
+        if (entry.name == name) return entry.value;
     }
     throw InvalidInput(std::string(what) + " '" + std::string(name) + "'", "there is none of this name",
                        "known: " + listed(table));
@@ -79,9 +64,8 @@ std::string name_of(const Table& table, Enum value) {
 
 std::vector<std::string> method_names() {
     std::vector<std::string> names;
-    for (const auto& entry : methods) {
-        if (offered(entry)) names.emplace_back(entry.name);
-    }
+    names.reserve(methods.size());
+    for (const auto& entry : methods) names.emplace_back(entry.name);
     return names;
 }
 

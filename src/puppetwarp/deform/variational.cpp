@@ -35,35 +35,37 @@ constexpr double better_share = 0.999;
 
 }  // namespace
 
-VariationalDeformer::VariationalDeformer(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig)
-    : problem_(options, mesh, rig) {}
+std::unique_ptr<Deformer> VariationalDeformer::with_rig(const Rig& rig) const {
+    require_sound(rig);
+    return std::make_unique<VariationalDeformer>(std::make_shared<VariationalProblem>(*problem_, rig));
+}
 
 // Leads the handles from where x has them to the goals, and ends in a minimum there.
 VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& start, const Goals& goals, bool spirals,
                                                        int most_iterations, Progress& progress) const {
-    const double floor = round_off_energy * problem_.size() * problem_.size();
-    const MethodOptions& options = problem_.options();
-    const GoalPath path(problem_.binding(), goals_at(start, problem_.binding(), goals), goals, problem_.size(),
+    const double floor = round_off_energy * problem_->size() * problem_->size();
+    const MethodOptions& options = problem_->options();
+    const GoalPath path(problem_->binding(), goals_at(start, problem_->binding(), goals), goals, problem_->size(),
                         spirals);
     const int strides = path.strides();
-    Objective objective = problem_.objective(path.at(1.0 / strides), start);
+    Objective objective = problem_->objective(path.at(1.0 / strides), start);
     Descent descent(objective, start);
     std::shared_ptr<ConstrainedMetric> metric;
     const MetricMaker renewed = [&](const Eigen::VectorXcd& x, int iterations,
                                     bool stuck) -> std::shared_ptr<ConstrainedMetric> {
-        if (problem_.constant_metric() && iterations < constant_iterations && !stuck) return nullptr;
-        return problem_.exact_metric(x, objective);
+        if (problem_->constant_metric() && iterations < constant_iterations && !stuck) return nullptr;
+        return problem_->exact_metric(x, objective);
     };
     const auto aim = [&](const Goals& here, bool renew) {
         Eigen::VectorXcd x = descent.x();
-        problem_.place_held(here, x);
-        problem_.aim(objective, here, x);
+        problem_->place_held(here, x);
+        problem_->aim(objective, here, x);
         descent.restart_at(std::move(x));
         if (!metric || renew) {
-            metric = problem_.metric(descent.x(), objective);
+            metric = problem_->metric(descent.x(), objective);
             descent.forget();
         } else {
-            problem_.choose(*metric, objective);
+            problem_->choose(*metric, objective);
         }
         descent.meet_conditions(*metric);
     };
@@ -75,7 +77,7 @@ VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& s
         const int budget = std::clamp(most_iterations - spent, 0, loose_iterations);
         const Minimum near = minimise(descent, metric, renewed, {loose_tolerance, budget, floor}, progress);
         spent += near.iterations;
-        slow = near.iterations > patience && !problem_.constant_metric();
+        slow = near.iterations > patience && !problem_->constant_metric();
     }
     Outcome outcome;
     for (int round = 0; round < most_rounds; ++round) {
@@ -85,7 +87,7 @@ VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& s
         spent += outcome.minimum.iterations;
         // Strides add up round-off; the handles are met to the last of it.
         descent.polish_conditions(*metric);
-        if (problem_.scales_settled(goals, descent.x())) break;
+        if (problem_->scales_settled(goals, descent.x())) break;
     }
     outcome.x = descent.x();
     outcome.minimum.iterations = spent;
@@ -96,11 +98,12 @@ VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& s
 // Both ways where they differ, and the better end.
 VariationalDeformer::Outcome VariationalDeformer::best_lead(const Eigen::VectorXcd& start, const Goals& goals,
                                                             bool warm, Progress& progress) const {
-    const int most = problem_.options().max_iterations;
+    const int most = problem_->options().max_iterations;
     Outcome turning = lead(start, goals, true, most, progress);
     const bool guided = std::any_of(goals.holds.begin(), goals.holds.end(),
                                     [](const HoldGoal& goal) { return goal.way_rad.has_value(); });
-    const GoalPath path(problem_.binding(), goals_at(start, problem_.binding(), goals), goals, problem_.size(), true);
+    const GoalPath path(problem_->binding(), goals_at(start, problem_->binding(), goals), goals, problem_->size(),
+                        true);
     if (warm || guided || path.widest_turn_rad() < far_turn_rad || !turning.minimum.converged) return turning;
     Outcome straight = lead(start, goals, false, most - turning.minimum.iterations, progress);
     const int iterations = turning.minimum.iterations + straight.minimum.iterations;
@@ -117,7 +120,7 @@ bool VariationalDeformer::keep_facing(const Eigen::VectorXcd& x, Goals& goals) c
     for (std::size_t h = 0; h < goals.holds.size(); ++h) {
         HoldGoal& goal = goals.holds[h];
         if (!goal.angle_rad || goal.scale) continue;
-        const Complex turn = row_value(problem_.binding().holds[h].turn, x);
+        const Complex turn = row_value(problem_->binding().holds[h].turn, x);
         if ((turn * std::polar(1.0, -*goal.angle_rad)).real() > crushed) continue;
         goal.scale = 1;
         changed = true;
@@ -126,28 +129,28 @@ bool VariationalDeformer::keep_facing(const Eigen::VectorXcd& x, Goals& goals) c
 }
 
 Deformation VariationalDeformer::deform(const Pose& pose, const Eigen::MatrixX2d* start, Progress& progress) const {
-    Goals goals = problem_.goals(pose);
-    const Eigen::VectorXcd& rest = problem_.rest();
+    Goals goals = problem_->goals(pose);
+    const Eigen::VectorXcd& rest = problem_->rest();
     if (start != nullptr && (start->rows() != rest.size() || !start->allFinite())) {
         throw InvalidInput("start", "it is not one finite position for each vertex of the mesh");
     }
-    const double size = problem_.size();
-    Eigen::VectorXcd x = start != nullptr ? complex_positions(*start) : rigid_fit(rest, problem_.binding(), goals);
+    const double size = problem_->size();
+    Eigen::VectorXcd x = start != nullptr ? complex_positions(*start) : rigid_fit(rest, problem_->binding(), goals);
     for (Eigen::Index v = 0; v < x.size(); ++v) {
-        if (problem_.binding().loose[static_cast<std::size_t>(v)]) x(v) = rest(v);
+        if (problem_->binding().loose[static_cast<std::size_t>(v)]) x(v) = rest(v);
     }
     Deformation result;
-    result.warnings = problem_.binding().warnings;
-    const Objective objective = problem_.objective(goals, x);
+    result.warnings = problem_->binding().warnings;
+    const Objective objective = problem_->objective(goals, x);
     if (!(objective.value(x) < std::numeric_limits<double>::infinity())) {
         throw InvalidInput("start", "it has triangles that are folded over", "start from the rest pose");
     }
     Eigen::VectorXcd placed = x;
-    problem_.place_held(goals, placed);
+    problem_->place_held(goals, placed);
     const double energy = objective.value(placed);
     const bool settled = energy <= round_off_energy * size * size &&
-                         largest_error(placed, problem_.binding(), goals) <= round_off_share * size;
-    if (settled || !problem_.has_unknowns()) {
+                         largest_error(placed, problem_->binding(), goals) <= round_off_share * size;
+    if (settled || !problem_->has_unknowns()) {
         x = placed;  // a rigid motion, or nothing is free: nothing is left to solve
         result.energy_history = {energy};
     } else {
@@ -163,8 +166,8 @@ Deformation VariationalDeformer::deform(const Pose& pose, const Eigen::MatrixX2d
     }
     result.energy = result.energy_history.back();
     result.V = point_positions(x);
-    result.max_handle_error_px = largest_error(x, problem_.binding(), goals);
-    if (!problem_.guards_folds() && result.max_handle_error_px > contradiction * size) {
+    result.max_handle_error_px = largest_error(x, problem_->binding(), goals);
+    if (!problem_->guards_folds() && result.max_handle_error_px > contradiction * size) {
         throw InvalidInput("pose '" + pose.name + "'",
                            "handles that are close together ask for what cannot be met together",
                            "move them apart, or remove one");

@@ -13,7 +13,8 @@ namespace puppetwarp {
 //! the straight and the turning way are gone, and the better end counts.
 class VariationalDeformer : public Deformer {
 public:
-    VariationalDeformer(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig);
+    explicit VariationalDeformer(std::shared_ptr<const VariationalProblem> problem) : problem_(std::move(problem)) {}
+    std::unique_ptr<Deformer> with_rig(const Rig& rig) const override;
     Deformation deform(const Pose& pose, const Eigen::MatrixX2d* start, Progress& progress) const override;
 
 private:
@@ -27,7 +28,7 @@ private:
     Outcome best_lead(const Eigen::VectorXcd& start, const Goals& goals, bool warm, Progress& progress) const;
     bool keep_facing(const Eigen::VectorXcd& x, Goals& goals) const;
 
-    VariationalProblem problem_;
+    std::shared_ptr<const VariationalProblem> problem_;
 };
 
 }  // namespace puppetwarp

@@ -1,6 +1,6 @@
 #include <puppetwarp/deform/variational_problem.h>
 
-#include <puppetwarp/deform/arap_cells.h>
+#include <puppetwarp/deform/arap_energy.h>
 #include <puppetwarp/deform/element_energy.h>
 #include <puppetwarp/deform/smooth_arap_energy.h>
 
@@ -24,98 +24,142 @@ constexpr double laplacian_share = 0.2;
 // A scale is met when it is as near as this; springs leave what they leave.
 constexpr double settled_scale = 1e-10;
 
+std::unique_ptr<const Energy> make_energy(const MethodOptions& options, const TriangleMesh& mesh,
+                                          const Eigen::VectorXd& stiffness, double size) {
+    switch (options.method) {
+        case Method::fold_free: return make_symmetric_dirichlet(mesh, stiffness);
+        case Method::smooth_arap:
+            return std::make_unique<SmoothArapEnergy>(mesh, stiffness,
+                                                      options.bending_length_px.value_or(bending_share * size));
+        default: break;
+    }
+    return make_arap_energy(options.arap_energy, mesh, stiffness);
+}
+
 }  // namespace
 
+bool is_variational(Method method) {
+    return method == Method::arap || method == Method::smooth_arap || method == Method::fold_free;
+}
+
+VariationalProblem::Subject::Subject(const MethodOptions& method, const TriangleMesh& triangles,
+                                     Eigen::VectorXd factors)
+    : options(method),
+      mesh(triangles),
+      discs(mesh),
+      stiffness(std::move(factors)),
+      rest(complex_positions(mesh.V)),
+      size(bounding_diagonal(mesh.V)),
+      component(vertex_components(mesh)),
+      energy(make_energy(options, mesh, stiffness, size)) {}
+
 VariationalProblem::VariationalProblem(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig)
-    : options_(options),
-      mesh_(mesh),
-      rig_(rig),
-      rest_(complex_positions(mesh.V)),
-      size_(bounding_diagonal(mesh.V)),
-      binding_(take_hold(mesh, rig, method_name(options.method))),
-      energy_(make_energy(mesh)),
-      free_(binding_.loose),
-      component_(vertex_components(mesh)) {
-    free_.flip();
+    : rig_(rig), subject_(std::make_shared<const Subject>(options, mesh, triangle_stiffness(mesh, rig.stiffness))) {
+    take_hold_of_subject();
+    const std::shared_ptr<Factors> factors = free_vertices();
+    prepare(*factors);
+    factors_ = factors;
+}
+
+VariationalProblem::VariationalProblem(const VariationalProblem& before, const Rig& rig)
+    : rig_(rig), subject_(before.subject_) {
+    const Eigen::VectorXd stiffness = triangle_stiffness(subject_->mesh, rig.stiffness);
+    if (stiffness.size() != subject_->stiffness.size() || stiffness != subject_->stiffness) {
+        subject_ = std::make_shared<const Subject>(subject_->options, subject_->mesh, stiffness);
+    }
+    take_hold_of_subject();
+    const std::shared_ptr<Factors> factors = free_vertices();
+    const bool same = subject_ == before.subject_ && factors->free == before.factors_->free &&
+                      factors->sprung == before.factors_->sprung;
+    if (!same) prepare(*factors);
+    factors_ = same ? before.factors_ : factors;
+}
+
+void VariationalProblem::take_hold_of_subject() {
+    binding_ = take_hold(subject_->discs, subject_->mesh, rig_, method_name(options().method));
     for (const Hold& hold : binding_.holds) {
         rows_.push_back(hold.mean);
         rows_.push_back(hold.turn);
         for (auto& entry : rows_.back()) entry.second *= hold.radius_px;
     }
-    for (const HeldVertex& held : binding_.vertices) {
-        if (guards_folds()) {
-            sprung_.push_back(held.vertex);
-        } else {
-            free_[static_cast<std::size_t>(held.vertex)] = false;
-        }
-    }
-    unknowns_ = std::count(free_.begin(), free_.end(), true);
-    choose_grounds(mesh);
-    if (options_.method == Method::smooth_arap && unknowns_ > 0) {
-        const auto& smooth = static_cast<const SmoothArapEnergy&>(*energy_);
-        const SparseMatrix laplacian = cotangent_stiffness(mesh, triangle_stiffness(mesh, rig.stiffness));
-        constant_ = factor_quadratic(4 * laplacian_share * laplacian + smooth.bending_hessian(), free_, grounds_);
-    }
+    std::vector<std::vector<Complex>> places(static_cast<std::size_t>(subject_->component.maxCoeff()) + 1);
+    const auto note = [&](int component, const Complex& at) {
+        auto& known = places[static_cast<std::size_t>(component)];
+        if (known.size() > 1) return;
+        if (known.empty() || std::abs(known.front() - at) > one_place * size()) known.push_back(at);
+    };
+    for (const Hold& hold : binding_.holds) note(hold.component, hold.at);
+    for (const HeldVertex& held : binding_.vertices) note(subject_->component(held.vertex), rest()(held.vertex));
+    for (const auto& known : places) component_places_.push_back(static_cast<int>(known.size()));
 }
 
-std::unique_ptr<Energy> VariationalProblem::make_energy(const TriangleMesh& mesh) const {
-    const Eigen::VectorXd stiffness = triangle_stiffness(mesh, rig_.stiffness);
-    switch (options_.method) {
-        case Method::fold_free: return make_symmetric_dirichlet(mesh, stiffness);
-        case Method::smooth_arap:
-            return std::make_unique<SmoothArapEnergy>(mesh, stiffness,
-                                                      options_.bending_length_px.value_or(bending_share * size_));
-        default: break;
+// Nothing but the question which vertices are free.
+std::shared_ptr<VariationalProblem::Factors> VariationalProblem::free_vertices() const {
+    auto factors = std::make_shared<Factors>();
+    factors->subject = subject_;
+    factors->free = binding_.loose;
+    factors->free.flip();
+    for (const HeldVertex& held : binding_.vertices) {
+        if (guards_folds()) {
+            factors->sprung.push_back(held.vertex);
+        } else {
+            factors->free[static_cast<std::size_t>(held.vertex)] = false;
+        }
     }
-    if (options_.arap_energy == ArapEnergy::elements) return make_element_arap(mesh, stiffness);
-    return std::make_unique<ArapCells>(mesh, options_.arap_energy, stiffness);
+    factors->unknowns = std::count(factors->free.begin(), factors->free.end(), true);
+    return factors;
+}
+
+void VariationalProblem::prepare(Factors& factors) const {
+    factors.grounds = grounds_for(factors.free);
+    if (options().method != Method::smooth_arap || factors.unknowns == 0) return;
+    const auto& smooth = static_cast<const SmoothArapEnergy&>(*subject_->energy);
+    const SparseMatrix laplacian = cotangent_stiffness(subject_->mesh, subject_->stiffness);
+    factors.constant =
+        factor_quadratic(4 * laplacian_share * laplacian + smooth.bending_hessian(), factors.free, factors.grounds);
 }
 
 // Two vertices far apart in each component that no two fixed vertices hold: with them the Hessian is definite, whatever
 // the handles are.
-void VariationalProblem::choose_grounds(const TriangleMesh& mesh) {
-    const int components = component_.size() > 0 ? component_.maxCoeff() + 1 : 0;
-    std::vector<std::vector<int>> free_of(static_cast<std::size_t>(components));
-    std::vector<int> fixed(static_cast<std::size_t>(components));
-    for (int v = 0; v < component_.size(); ++v) {
-        const auto c = static_cast<std::size_t>(component_(v));
-        if (free_[static_cast<std::size_t>(v)]) {
+VertexSprings VariationalProblem::grounds_for(const std::vector<bool>& free) const {
+    const Eigen::VectorXi& component = subject_->component;
+    const auto components = static_cast<std::size_t>(component.maxCoeff()) + 1;
+    std::vector<std::vector<int>> free_of(components);
+    std::vector<int> fixed(components);
+    for (int v = 0; v < component.size(); ++v) {
+        const auto c = static_cast<std::size_t>(component(v));
+        if (free[static_cast<std::size_t>(v)]) {
             free_of[c].push_back(v);
-        } else if (!binding_.loose[static_cast<std::size_t>(v)]) {
+        } else {
             ++fixed[c];
         }
     }
-    std::vector<std::vector<Complex>> places(static_cast<std::size_t>(components));
-    const auto note = [&](int component, const Complex& at) {
-        auto& known = places[static_cast<std::size_t>(component)];
-        if (known.size() > 1) return;
-        if (known.empty() || std::abs(known.front() - at) > one_place * size_) known.push_back(at);
-    };
-    for (const Hold& hold : binding_.holds) note(hold.component, hold.at);
-    for (const HeldVertex& held : binding_.vertices) note(component_(held.vertex), rest_(held.vertex));
-    for (const auto& known : places) component_places_.push_back(static_cast<int>(known.size()));
-
     const auto farthest = [&](const std::vector<int>& vertices, const Complex& from) {
-        return *std::max_element(vertices.begin(), vertices.end(),
-                                 [&](int a, int b) { return std::norm(rest_(a) - from) < std::norm(rest_(b) - from); });
+        return *std::max_element(vertices.begin(), vertices.end(), [&](int a, int b) {
+            return std::norm(rest()(a) - from) < std::norm(rest()(b) - from);
+        });
     };
-    for (std::size_t c = 0; c < free_of.size(); ++c) {
+    VertexSprings grounds;
+    for (std::size_t c = 0; c < components; ++c) {
         if (free_of[c].empty() || fixed[c] > 1) continue;
-        const int first = farthest(free_of[c], rest_(free_of[c].front()));
-        const int second = farthest(free_of[c], rest_(first));
-        grounds_.vertices.push_back(first);
-        if (second != first) grounds_.vertices.push_back(second);
+        const int first = farthest(free_of[c], rest()(free_of[c].front()));
+        const int second = farthest(free_of[c], rest()(first));
+        grounds.vertices.push_back(first);
+        if (second != first) grounds.vertices.push_back(second);
     }
-    const SparseMatrix laplacian = cotangent_stiffness(mesh);
-    grounds_.stiffness = 2 * laplacian.diagonal().mean();
+    const SparseMatrix laplacian = cotangent_stiffness(subject_->mesh);
+    grounds.stiffness = 2 * laplacian.diagonal().mean();
+    return grounds;
 }
 
 Goals VariationalProblem::goals(const Pose& pose) const {
-    return goals_of(resolve(binding_, mesh_, rig_, pose, AffineUse::no, method_name(options_.method)), binding_, rest_);
+    return goals_of(resolve(binding_, subject_->mesh, rig_, pose, AffineUse::no, method_name(options().method)),
+                    binding_, rest());
 }
 
 Objective VariationalProblem::objective(const Goals& goals, const Eigen::VectorXcd& x) const {
-    Objective objective{*energy_, free_, rows_, guards_folds() ? fold_free_penalty : 0, {}, sprung_, {}};
+    Objective objective{
+        *subject_->energy, factors_->free, rows_, guards_folds() ? fold_free_penalty : 0, {}, factors_->sprung, {}};
     aim(objective, goals, x);
     return objective;
 }
@@ -160,27 +204,42 @@ bool VariationalProblem::scales_settled(const Goals& goals, const Eigen::VectorX
 }
 
 const HessianFactory& VariationalProblem::factory() const {
-    std::call_once(factory_made_, [&] {
-        const VertexSprings springs{sprung_, guards_folds() ? fold_free_penalty : 0};
-        factory_ = std::make_unique<const HessianFactory>(*energy_, free_, grounds_, springs);
+    std::call_once(factors_->factory_made, [&] {
+        const VertexSprings springs{factors_->sprung, guards_folds() ? fold_free_penalty : 0};
+        factors_->factory =
+            std::make_unique<const HessianFactory>(*subject_->energy, factors_->free, factors_->grounds, springs);
     });
-    return *factory_;
+    return *factors_->factory;
 }
 
 std::shared_ptr<ConstrainedMetric> VariationalProblem::metric(const Eigen::VectorXcd& x,
                                                               const Objective& objective) const {
-    if (!constant_) return exact_metric(x, objective);
-    auto metric = std::make_shared<ConstrainedMetric>(constant_, rest_.size(), grounds_, objective.penalty);
+    if (!constant_metric()) return exact_metric(x, objective);
+    auto metric =
+        std::make_shared<ConstrainedMetric>(factors_->constant, rest().size(), factors_->grounds, objective.penalty);
     choose(*metric, objective);
     return metric;
 }
 
 std::shared_ptr<ConstrainedMetric> VariationalProblem::exact_metric(const Eigen::VectorXcd& x,
                                                                     const Objective& objective) const {
-    auto metric =
-        std::make_shared<ConstrainedMetric>(factory().factorise(x), rest_.size(), grounds_, objective.penalty);
+    auto metric = std::make_shared<ConstrainedMetric>(factory().factorise(x), rest().size(), factors_->grounds,
+                                                      objective.penalty);
     choose(*metric, objective);
     return metric;
+}
+
+std::shared_ptr<ConstrainedMetric> VariationalProblem::adopted(const ConstrainedMetric& metric,
+                                                               const VariationalProblem& other,
+                                                               const Objective& objective) const {
+    std::vector<int> old_of_new;
+    for (const ComplexRow& row : rows_) {
+        const auto found = std::find(other.rows_.begin(), other.rows_.end(), row);
+        old_of_new.push_back(found == other.rows_.end() ? -1 : static_cast<int>(found - other.rows_.begin()));
+    }
+    std::shared_ptr<ConstrainedMetric> own = metric.with_rows(old_of_new);
+    choose(*own, objective);
+    return own;
 }
 
 void VariationalProblem::choose(ConstrainedMetric& metric, const Objective& objective) const {

@@ -18,6 +18,7 @@ using reference::rig_of_points;
 using reference::rig_of_vertices;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::IsSupersetOf;
 namespace places = reference::figure_places;
 
 std::string message_of(const std::function<void()>& work) {
@@ -42,6 +43,12 @@ Pose figure_pose(double size) {
     return pose;
 }
 
+std::string name_of(const testing::TestParamInfo<std::string>& each) {
+    std::string name = each.param;
+    std::erase(name, '-');
+    return name;
+}
+
 class EveryMethod : public testing::TestWithParam<std::string> {
 protected:
     MethodOptions options() const {
@@ -54,6 +61,8 @@ protected:
         }
         return options;
     }
+    // Moving least squares are a field over the plane: nothing is loose in it, and no triangle limits it.
+    bool knows_the_shape() const { return !GetParam().starts_with("mls"); }
     std::unique_ptr<Deformer> deformer(const TriangleMesh& mesh, const Rig& rig) const {
         return make_deformer(options(), mesh, rig);
     }
@@ -86,6 +95,7 @@ TEST_P(EveryMethod, MovingAllHandlesMovesEverything) {
 }
 
 TEST_P(EveryMethod, APartWithoutHandlesStaysAndIsNamed) {
+    if (!knows_the_shape()) return;
     const TriangleMesh figure = reference::figure(500, 14);
     const TriangleMesh mesh = reference::joined(figure, reference::grid(4, 4, 60, 60), Point(520, 100));
     const Deformation alone = deformed(figure, figure_rig(500), figure_pose(500));
@@ -111,8 +121,10 @@ TEST_P(EveryMethod, MeetsItsHandles) {
     const Point to = mesh.V.row(100).transpose() + Point(3, -2);
     pose.handles["v"].to = to;
     const Deformation result = deformed(mesh, rig, pose);
-    EXPECT_LT(result.max_handle_error_px, 1e-8);
-    EXPECT_LT((result.V.row(100).transpose() - to).norm(), 1e-8);
+    // Springs of fold-free are strong, but springs.
+    const double near = GetParam() == "fold-free" ? 0.02 : 1e-8;
+    EXPECT_LT(result.max_handle_error_px, near);
+    EXPECT_LT((result.V.row(100).transpose() - to).norm(), near);
     EXPECT_TRUE(result.V.allFinite());
 }
 
@@ -184,6 +196,8 @@ TEST_P(EveryMethod, TwoHandlesInOnePlaceCountAsOne) {
 }
 
 TEST_P(EveryMethod, MoreConstraintsThanATriangleCanMeetAreRefused) {
+    if (!knows_the_shape()) return;
+    if (GetParam() == "fold-free") return;  // its springs meet in the middle
     const TriangleMesh mesh = reference::grid(1, 1, 100, 100);
     const Rig rig = rig_of_points({{20, 5}, {30, 5}, {60, 20}, {70, 10}, {40, 10}});
     Pose pose;
@@ -216,6 +230,7 @@ TEST_P(EveryMethod, CanBeCancelled) {
 }
 
 TEST_P(EveryMethod, AVertexOfNoTriangleStaysOrIsHeld) {
+    if (!knows_the_shape()) return;
     TriangleMesh mesh = reference::grid(6, 6, 60, 60, 0.2);
     mesh.V.conservativeResize(mesh.V.rows() + 2, 2);
     mesh.V.bottomRows(2) << 80, 80, 90, 10;
@@ -234,17 +249,20 @@ TEST_P(EveryMethod, AVertexOfNoTriangleStaysOrIsHeld) {
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod,
                          testing::Values("harmonic", "biharmonic", "triharmonic", "tetraharmonic", "thin-shell", "arap",
-                                         "arap-spokes", "arap-spokes-and-rims"),
-                         [](const auto& each) {
-                             std::string name = each.param;
-                             std::erase(name, '-');
-                             return name;
-                         });
+                                         "arap-spokes", "arap-spokes-and-rims", "smooth-arap", "fold-free"),
+                         name_of);
+
+INSTANTIATE_TEST_SUITE_P(DifferentialCoordinates, EveryMethod,
+                         testing::Values("laplacian", "laplacian-rotated", "laplacian-similarity", "multiresolution"),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(MovingLeastSquares, EveryMethod, testing::Values("mls-affine", "mls-similarity", "mls-rigid"),
+                         name_of);
 
 TEST(MethodNames, GoBothWays) {
-    EXPECT_EQ(method_names(),
-              (std::vector<std::string>{"harmonic", "biharmonic", "triharmonic", "tetraharmonic", "thin-shell", "arap",
-                                        "smooth-arap", "fold-free"}));
+    EXPECT_EQ(method_names(), (std::vector<std::string>{
+                                  "harmonic", "biharmonic", "triharmonic", "tetraharmonic", "thin-shell", "laplacian",
+                                  "laplacian-rotated", "laplacian-similarity", "multiresolution", "arap", "smooth-arap",
+                                  "fold-free", "mls-affine", "mls-similarity", "mls-rigid"}));
     for (const std::string& name : method_names()) EXPECT_EQ(method_name(method_from_name(name)), name);
     for (const char* name : {"elements", "spokes", "spokes-and-rims"}) {
         EXPECT_EQ(arap_energy_name(arap_energy_from_name(name)), name);

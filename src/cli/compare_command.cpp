@@ -62,6 +62,7 @@ Json result_json(const MethodResult& result) {
     Json json;
     json["label"] = result.label;
     for (const auto& [key, value] : fields.items()) json[key] = result.error.empty() ? value : Json(nullptr);
+    json["cut_off"] = result.error.empty() ? Json(result.cut_off) : Json(nullptr);
     json["error"] = result.error.empty() ? Json(nullptr) : Json(result.error);
     return json;
 }

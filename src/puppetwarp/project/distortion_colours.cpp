@@ -58,7 +58,8 @@ public:
     Projection(const Canvas& canvas, double scale) : origin_(canvas.x, canvas.y), scale_(scale) {}
 
     cv::Point operator()(const Point& p) const {
-        const Point q = (p - origin_) * scale_ - Point(0.5, 0.5);
+        constexpr double farthest = 1e6;  // what lies beyond, out of sight, still has to be a number to OpenCV
+        const Point q = ((p - origin_) * scale_ - Point(0.5, 0.5)).cwiseMax(-farthest).cwiseMin(farthest);
         return {cvRound(q.x() * (1 << fraction_bits)), cvRound(q.y() * (1 << fraction_bits))};
     }
 

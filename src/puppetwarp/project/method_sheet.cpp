@@ -22,7 +22,6 @@ namespace {
 constexpr int smallest_cell_px = 120;
 constexpr int largest_cell_px = 2000;
 constexpr int most_columns = 64;
-constexpr double view_margin = 0.03;  // around the subject, as a share of its size: room for the marks of handles
 const TextStyle header_style{12, true, {20, 20, 20}};
 const cv::Scalar paper(255, 255, 255);
 const cv::Scalar frame_colour(205, 205, 205);
@@ -93,22 +92,14 @@ void require_some_result(const std::vector<MethodResult>& methods) {
     throw InvalidInput(methods.front().label, "no method can take this pose: " + methods.front().error);
 }
 
-// The part of image space that holds the subject at rest and as every method moves it.
-Canvas common_canvas(const MethodSheet& sheet) {
-    Eigen::RowVector2d lowest = sheet.mesh.V.colwise().minCoeff();
-    Eigen::RowVector2d highest = sheet.mesh.V.colwise().maxCoeff();
+// Chooses the part of image space that all cells show, and marks who does not keep to it.
+void choose_view(MethodSheet& sheet) {
+    std::vector<Eigen::MatrixX2d> moved;
     for (const MethodResult& each : sheet.methods) {
-        if (!each.error.empty()) continue;
-        lowest = lowest.cwiseMin(each.moved.colwise().minCoeff());
-        highest = highest.cwiseMax(each.moved.colwise().maxCoeff());
+        if (each.error.empty()) moved.push_back(each.moved);
     }
-    const double margin = view_margin * (highest - lowest).norm();
-    const auto whole = [](double value) {
-        constexpr double farthest = 1 << 30;  // `grown_canvas` allows no more
-        return static_cast<int>(std::clamp(value, -farthest, farthest - 1));
-    };
-    const int left = whole(std::floor(lowest.x() - margin)), top = whole(std::floor(lowest.y() - margin));
-    return {left, top, whole(std::ceil(highest.x() + margin)) - left, whole(std::ceil(highest.y() + margin)) - top};
+    sheet.canvas = common_view(sheet.mesh.V, moved);
+    for (MethodResult& each : sheet.methods) each.cut_off = each.error.empty() && runs_out_of(sheet.canvas, each.moved);
 }
 
 SheetLayout layout_of(const MethodSheet& sheet, const MethodSheetOptions& options) {
@@ -227,7 +218,7 @@ MethodSheet compare_methods(const Puppet& puppet, const Pose& pose, const Method
     end_stage("compare");
 
     sheet.pose = pose.name;
-    sheet.canvas = common_canvas(sheet);
+    choose_view(sheet);
     const SheetLayout layout = layout_of(sheet, options);
     require_size(layout.size(), options.read.max_pixels);
     sheet.columns = layout.columns();

@@ -39,6 +39,7 @@ struct MethodResult {
     std::string error;       //!< why it could not take the pose, or empty
     RenderReport report;     //!< without an error: as of `describe`, with the times of `bind` and `deform`
     Eigen::MatrixX2d moved;  //!< without an error: #V x 2
+    bool cut_off = false;    //!< runs so far away from what most methods do that its cell does not hold it
 };
 
 struct MethodSheet {
@@ -55,10 +56,10 @@ struct MethodSheet {
 
 //! A sheet of the same pose of the same mesh through many methods, to be compared by eye and number. The first cell
 //! is the rest pose with its handles. All show the same part of image space, which holds the subject at rest and as
-//! each method moves it, over a chequered ground; handles are drawn where the pose puts them. Below each stand its
-//! folds, largest stretch and energy. A method that cannot take the pose says why in its cell. Without
-//! `timings` the same bytes each time, for any number of threads.
-//! \throw InvalidInput  options out of range, unknown labels (lists the known ones), no handles; what `load_image` to
+//! each method moves it (but for one that runs away, `cut_off`), over a chequered ground; handles are drawn where the
+//! pose puts them. Below each stand its folds, largest stretch and energy. A method that cannot take the pose says why
+//! in its cell. Without `timings` the same bytes each time, for any number of threads. \throw InvalidInput  options out
+//! of range, unknown labels (lists the known ones), no handles; what `load_image` to
 //!        `mesh_subject` refuse; what the first method says, when none can take the pose.   \throw Cancelled
 MethodSheet compare_methods(const Puppet& puppet, const Pose& pose, const MethodSheetOptions& options,
                             Progress& progress);

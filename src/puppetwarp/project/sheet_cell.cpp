@@ -50,9 +50,15 @@ std::string formatted(const char* format, double value) {
     return text;
 }
 
-// Three digits at least, and no exponents but for what is huge.
+// What a person should know before believing the picture.
+std::string note_on(const MethodResult& result) {
+    if (!result.report.converged) return result.cut_off ? "open, cut off" : "not converged";
+    return result.cut_off ? "cut off" : "";
+}
+
+// Three digits or more, and no exponents but for what is huge.
 std::string readable(double value) {
-    return formatted(value < 100 ? "%.2f" : value < 1e6 ? "%.0f" : "%.3g", value);
+    return formatted(value < 10 ? "%.2f" : value < 100 ? "%.1f" : value < 1e6 ? "%.0f" : "%.3g", value);
 }
 
 // One line, in a smaller size where it is too long, cut off where it still is.
@@ -130,7 +136,7 @@ void write_result(cv::Mat& sheet, const MethodResult& result, bool timings, cons
     };
     write_pair("folds " + std::to_string(folds), folds > 0, "stretch " + readable(report.distortion.max_stretch),
                false);
-    write_pair("energy " + formatted("%.4g", report.energy), false, report.converged ? "" : "not converged", true);
+    write_pair("energy " + formatted("%.4g", report.energy), false, note_on(result), true);
     if (!timings) return;
     std::vector<std::string> times;
     for (const auto& [stage, ms] : report.timings_ms) times.push_back(stage + " " + readable(ms) + " ms");

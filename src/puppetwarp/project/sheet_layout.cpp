@@ -8,6 +8,35 @@ namespace puppetwarp {
 
 namespace {
 
+constexpr double view_margin = 0.03;  // around the view, as a share of its size
+constexpr double runaway = 0.25;      // how far one method may enlarge the view that suits most, as a share of its size
+
+// The bounding box of positions, all of whose sides grow outwards: left, top, right and bottom, the first two negated.
+using Sides = Eigen::Array4d;
+
+Sides sides_of(const Eigen::MatrixX2d& positions) {
+    Sides sides;
+    sides << -positions.colwise().minCoeff().transpose(), positions.colwise().maxCoeff().transpose();
+    return sides;
+}
+
+double size_of(const Sides& sides) {
+    return (sides.head<2>() + sides.tail<2>()).matrix().norm();
+}
+
+// For each side the middle one of all, towards the inside where there are two.
+Sides median(const std::vector<Sides>& all) {
+    Sides result;
+    for (int side = 0; side < 4; ++side) {
+        std::vector<double> values;
+        for (const Sides& each : all) values.push_back(each[side]);
+        const auto middle = values.begin() + (static_cast<std::ptrdiff_t>(values.size()) - 1) / 2;
+        std::nth_element(values.begin(), middle, values.end());
+        result[side] = *middle;
+    }
+    return result;
+}
+
 constexpr double pleasant_ratio = 1.5;  // of a sheet's width to its height
 
 // Space between a picture and its text, header and cells, cells and footer.
@@ -18,6 +47,25 @@ int with_space(int height) {
 }
 
 }  // namespace
+
+Canvas common_view(const Eigen::MatrixX2d& rest, const std::vector<Eigen::MatrixX2d>& moved) {
+    Sides view = sides_of(rest);
+    std::vector<Sides> all;
+    for (const Eigen::MatrixX2d& each : moved) all.push_back(sides_of(each));
+    if (!all.empty()) view = view.max(median(all));
+    const Sides limit = view + runaway * size_of(view);
+    for (const Sides& each : all) view = view.max(each.min(limit));
+    view = (view + view_margin * size_of(view)).ceil();
+    constexpr double farthest = 1 << 30;  // no canvas reaches farther
+    const Eigen::Array4i whole = view.max(-farthest).min(farthest - 1).cast<int>();
+    return {-whole[0], -whole[1], whole[0] + whole[2], whole[1] + whole[3]};
+}
+
+bool runs_out_of(const Canvas& canvas, const Eigen::MatrixX2d& positions) {
+    Sides sides;
+    sides << -canvas.x, -canvas.y, canvas.x + canvas.width, canvas.y + canvas.height;
+    return (sides_of(positions) > sides).any();
+}
 
 SheetLayout::SheetLayout(const SheetContents& contents)
     : contents_(contents),

@@ -1,9 +1,23 @@
 #pragma once
 // Private header: where things are on a sheet of equal cells.
 
+#include <puppetwarp/warp/warp.h>
+
 #include <opencv2/core/types.hpp>
 
+#include <vector>
+
 namespace puppetwarp {
+
+//! The part of image space that all cells of a sheet show: the subject at rest and as each method moves it, with a
+//! margin for the marks of handles. A method that runs away from what most make of the pose, by more than a quarter of
+//! that size, is cut off there: else it would make all others too small to be seen.
+//! \param rest   #V x 2, not empty.
+//! \param moved  finite positions of each method, #V x 2 each.
+Canvas common_view(const Eigen::MatrixX2d& rest, const std::vector<Eigen::MatrixX2d>& moved);
+
+//! Whether some position is not on the canvas.
+bool runs_out_of(const Canvas& canvas, const Eigen::MatrixX2d& positions);
 
 //! What the cells of a sheet hold, px.
 struct SheetContents {

@@ -22,6 +22,52 @@ SheetContents contents_of(int cells, int columns, int picture_width) {
     return contents;
 }
 
+// Opposite corners of a box.
+Eigen::MatrixX2d box(double left, double top, double right, double bottom) {
+    Eigen::MatrixX2d V(2, 2);
+    V << left, top, right, bottom;
+    return V;
+}
+
+TEST(CommonView, HoldsEveryMethodWithAMargin) {
+    // The union is 0..100 by -20..60: 128.06 in size, 3.84 of margin.
+    const std::vector<Eigen::MatrixX2d> moved{box(5, -20, 90, 60), box(0, 0, 100, 60), box(20, 20, 30, 30)};
+    const Canvas view = common_view(box(10, 0, 70, 50), moved);
+    EXPECT_EQ(view.x, -4);
+    EXPECT_EQ(view.y, -24);
+    EXPECT_EQ(view.x + view.width, 104);
+    EXPECT_EQ(view.y + view.height, 64);
+    for (const Eigen::MatrixX2d& each : moved) EXPECT_FALSE(runs_out_of(view, each));
+}
+
+TEST(CommonView, ShowsTheSubjectAtRestWhenNothingMoves) {
+    const Canvas view = common_view(box(0, 0, 300, 400), {});  // 500 in size, 15 of margin
+    EXPECT_EQ(view.x, -15);
+    EXPECT_EQ(view.y, -15);
+    EXPECT_EQ(view.width, 330);
+    EXPECT_EQ(view.height, 430);
+}
+
+TEST(CommonView, CutsOffWhatRunsAway) {
+    // Most stay in 0..30 by 0..40, 50 in size; one may reach 12.5 farther. 1.9 of margin: (42.5, 40) is 58.4 in size.
+    const std::vector<Eigen::MatrixX2d> moved{box(0, 0, 30, 40), box(0, 0, 1e6, 40), box(0, 0, 29, 39)};
+    const Canvas view = common_view(box(1, 1, 28, 38), moved);
+    EXPECT_EQ(view.x, -2);
+    EXPECT_EQ(view.x + view.width, 45);
+    EXPECT_EQ(view.y + view.height, 42);
+    EXPECT_FALSE(runs_out_of(view, moved[0]));
+    EXPECT_TRUE(runs_out_of(view, moved[1]));
+}
+
+TEST(CommonView, FollowsWhatMostMethodsDoFarAway) {
+    const std::vector<Eigen::MatrixX2d> moved(3, box(5000, 5000, 5100, 5100));
+    const Canvas view = common_view(box(0, 0, 100, 100), moved);
+    for (const Eigen::MatrixX2d& each : moved) EXPECT_FALSE(runs_out_of(view, each));
+    const Canvas whole = common_view(box(0, 0, 100, 100), {box(-1e300, -1e300, 1e300, 1e300)});
+    EXPECT_GT(whole.width, 0);
+    EXPECT_GT(whole.height, 0);
+}
+
 TEST(SheetLayout, CellsFollowEachOtherInRows) {
     const SheetLayout layout(contents_of(7, 3, 400));
     EXPECT_EQ(layout.columns(), 3);

@@ -66,8 +66,7 @@ std::vector<LabelledMethod> chosen_methods(const MethodOptions& options, const s
     return chosen;
 }
 
-MethodResult result_of(const LabelledMethod& method, const MethodSheet& sheet, const Pose& pose, const Image& image,
-                       Progress& progress) {
+MethodResult result_of(const LabelledMethod& method, const MethodSheet& sheet, const Pose& pose, Progress& progress) {
     MethodResult result;
     result.label = method.label;
     try {
@@ -77,7 +76,6 @@ MethodResult result_of(const LabelledMethod& method, const MethodSheet& sheet, c
         Deformation deformation = deformer->deform(pose, nullptr, progress);
         result.report.timings_ms.emplace_back("deform", milliseconds_since(last));
         describe(method.options, sheet.mesh, sheet.rig, deformation, result.report);
-        grown_canvas(image.width(), image.height(), deformation.V);  // refuses what is too far away to be drawn
         result.moved = std::move(deformation.V);
     } catch (const InvalidInput& error) {
         result.error = error.what();
@@ -86,10 +84,10 @@ MethodResult result_of(const LabelledMethod& method, const MethodSheet& sheet, c
 }
 
 // Throws what the first method said, when none could take the pose.
-void require_some_result(const std::vector<MethodResult>& methods) {
+void require_some_result(const std::vector<MethodResult>& methods, const Pose& pose) {
     const auto failed = [](const MethodResult& each) { return !each.error.empty(); };
     if (!std::all_of(methods.begin(), methods.end(), failed)) return;
-    throw InvalidInput(methods.front().label, "no method can take this pose: " + methods.front().error);
+    throw InvalidInput("pose '" + pose.name + "'", "no method can take it: " + methods.front().error);
 }
 
 // Chooses the part of image space that all cells show, and marks who does not keep to it.
@@ -212,9 +210,9 @@ MethodSheet compare_methods(const Puppet& puppet, const Pose& pose, const Method
     const Rig loaded = load_rig(puppet, image.width(), image.height(), options.read);
     sheet.rig = snapped(loaded, sheet.mesh, options.pin_snap_px);
     for (const LabelledMethod& method : methods) {
-        sheet.methods.push_back(result_of(method, sheet, pose, image, progress));
+        sheet.methods.push_back(result_of(method, sheet, pose, progress));
     }
-    require_some_result(sheet.methods);
+    require_some_result(sheet.methods, pose);
     end_stage("compare");
 
     sheet.pose = pose.name;

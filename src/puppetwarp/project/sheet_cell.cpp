@@ -122,7 +122,11 @@ int cell_text_height(bool timings) {
 
 void write_result(cv::Mat& sheet, const MethodResult& result, bool timings, const cv::Rect& place) {
     write_fitting(sheet, result.label, title_style, place.x, place.y, place.width);
-    if (!result.error.empty()) return;
+    if (!result.error.empty()) {
+        write_fitting(sheet, "cannot take this pose", alarm_style, place.x, place.y + title_style.line_px(),
+                      place.width);
+        return;
+    }
     const RenderReport& report = result.report;
     const int folds = report.distortion.flipped_triangles;
     const int left_width = place.width * 56 / 100;  // energies are the longest words

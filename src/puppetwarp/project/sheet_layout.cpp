@@ -54,7 +54,7 @@ Canvas common_view(const Eigen::MatrixX2d& rest, const std::vector<Eigen::Matrix
     for (const Eigen::MatrixX2d& each : moved) all.push_back(sides_of(each));
     if (!all.empty()) view = view.max(median(all));
     const Sides limit = view + runaway * size_of(view);
-    for (const Sides& each : all) view = view.max(each.min(limit));
+    for (const Sides& each : all) view = (each > limit).select(view, view.max(each));
     view = (view + view_margin * size_of(view)).ceil();
     constexpr double farthest = 1 << 30;  // no canvas reaches farther
     const Eigen::Array4i whole = view.max(-farthest).min(farthest - 1).cast<int>();

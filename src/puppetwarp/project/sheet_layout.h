@@ -11,7 +11,7 @@ namespace puppetwarp {
 
 //! The part of image space that all cells of a sheet show: the subject at rest and as each method moves it, with a
 //! margin for the marks of handles. A method that runs away from what most make of the pose, by more than a quarter of
-//! that size, is cut off there: else it would make all others too small to be seen.
+//! that size, is not made room for: it would make all others too small to be seen.
 //! \param rest   #V x 2, not empty.
 //! \param moved  finite positions of each method, #V x 2 each.
 Canvas common_view(const Eigen::MatrixX2d& rest, const std::vector<Eigen::MatrixX2d>& moved);

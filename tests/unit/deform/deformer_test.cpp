@@ -1,5 +1,6 @@
 // What every method promises.
 #include "reference/test_meshes.h"
+#include "support/message_of.h"
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/deform/deformer.h>
@@ -7,7 +8,6 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <thread>
 
@@ -20,15 +20,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsSupersetOf;
 namespace places = reference::figure_places;
-
-std::string message_of(const std::function<void()>& work) {
-    try {
-        work();
-    } catch (const InvalidInput& error) {
-        return error.what();
-    }
-    return "";
-}
 
 Rig figure_rig(double size) {
     return rig_of_points({size * places::head, size * places::left_hand, size * places::right_hand,

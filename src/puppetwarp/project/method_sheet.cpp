@@ -137,15 +137,18 @@ std::vector<std::string> rest_lines(const MethodSheet& sheet) {
             std::to_string(sheet.mesh.V.rows()) + " vertices, " + std::to_string(sheet.mesh.F.rows()) + " triangles"};
 }
 
+// Words have the whole width of the column, pictures their own.
 void draw_method(cv::Mat& pixels, const CellPainter& painter, const MethodResult& result, const Pose& pose,
-                 const MethodSheetOptions& options, const cv::Rect& place, Progress& progress) {
+                 const MethodSheetOptions& options, const SheetLayout& layout, int cell, Progress& progress) {
+    const cv::Rect place = layout.picture(cell), column = layout.text(cell);
     if (!result.error.empty()) {
-        write_error(pixels, result.error, place);
+        write_error(pixels, result.error, {column.x, place.y, column.width, place.height});
     } else if (options.show == MethodSheetOptions::Show::distortion) {
         put_picture(pixels, painter.distortion(result.moved, pose), place);
     } else {
         put_picture(pixels, painter.warped(result.moved, pose, progress), place);
     }
+    write_result(pixels, result, options.timings, column);
 }
 
 cv::Mat draw_sheet(const MethodSheet& sheet, const Puppet& puppet, const Pose& pose, const Image& subject,
@@ -161,9 +164,7 @@ cv::Mat draw_sheet(const MethodSheet& sheet, const Puppet& puppet, const Pose& p
     put_picture(pixels, painter.warped(sheet.mesh.V, Pose(), progress), layout.picture(0));
     write_lines(pixels, "rest", rest_lines(sheet), layout.text(0));
     for (std::size_t i = 0; i < sheet.methods.size(); ++i) {
-        const int place = static_cast<int>(i) + 1;
-        draw_method(pixels, painter, sheet.methods[i], pose, options, layout.picture(place), progress);
-        write_result(pixels, sheet.methods[i], options.timings, layout.text(place));
+        draw_method(pixels, painter, sheet.methods[i], pose, options, layout, static_cast<int>(i) + 1, progress);
     }
     const cv::Rect footer = layout.footer();
     if (footer.height > 0) draw_distortion_legend(pixels, footer.x, footer.y, footer.width);

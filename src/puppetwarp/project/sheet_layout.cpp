@@ -29,6 +29,7 @@ Sides median(const std::vector<Sides>& all) {
     Sides result;
     for (int side = 0; side < 4; ++side) {
         std::vector<double> values;
+        values.reserve(all.size());
         for (const Sides& each : all) values.push_back(each[side]);
         const auto middle = values.begin() + (static_cast<std::ptrdiff_t>(values.size()) - 1) / 2;
         std::nth_element(values.begin(), middle, values.end());
@@ -51,6 +52,7 @@ int with_space(int height) {
 Canvas common_view(const Eigen::MatrixX2d& rest, const std::vector<Eigen::MatrixX2d>& moved) {
     Sides view = sides_of(rest);
     std::vector<Sides> all;
+    all.reserve(moved.size());
     for (const Eigen::MatrixX2d& each : moved) all.push_back(sides_of(each));
     if (!all.empty()) view = view.max(median(all));
     const Sides limit = view + runaway * size_of(view);

@@ -96,14 +96,14 @@ void draw_text(cv::Mat& picture, const std::string& text, const TextStyle& style
     const cv::Rect placed(x - margin, y - margin, coverage.cols, coverage.rows);
     const cv::Rect visible = placed & cv::Rect(0, 0, picture.cols, picture.rows);
     for (int row = visible.y; row < visible.y + visible.height; ++row) {
-        const std::uint8_t* over = coverage.ptr<std::uint8_t>(row - placed.y) - placed.x;
+        const std::uint8_t* over = coverage.ptr<std::uint8_t>(row - placed.y);
         auto* pixel = picture.ptr<cv::Vec3b>(row);
         for (int column = visible.x; column < visible.x + visible.width; ++column) {
+            const int share = over[column - placed.x];
             for (int c = 0; c < 3; ++c) {
                 const int under = pixel[column][c];
                 const int ink = style.colour[static_cast<std::size_t>(c)];
-                pixel[column][c] =
-                    static_cast<std::uint8_t>((ink * over[column] + under * (255 - over[column]) + 127) / 255);
+                pixel[column][c] = static_cast<std::uint8_t>((ink * share + under * (255 - share) + 127) / 255);
             }
         }
     }

@@ -107,7 +107,12 @@ TEST(PairedCholesky, SolvesToSinglePrecision) {
     for (Eigen::Index k = 0; k < b.size(); ++k) b(k) = std::sin(3.0 * static_cast<double>(k));
     Eigen::VectorXcd x(b.size() / 2);
     for (Eigen::Index v = 0; v < x.size(); ++v) x(v) = {b(2 * v), b(2 * v + 1)};
+    Eigen::VectorXcd again = x, other = Eigen::VectorXcd::Ones(x.size()), alone = other;
     factor->solve_in_place(x);
+    factor->solve_in_place(again, other);
+    factor->solve_in_place(alone);
+    EXPECT_EQ(again, x);
+    EXPECT_EQ(other, alone);
     const Eigen::VectorXd expected = Eigen::MatrixXd(lower).selfadjointView<Eigen::Lower>().llt().solve(b);
     for (Eigen::Index v = 0; v < x.size(); ++v) {
         EXPECT_NEAR(x(v).real(), expected(2 * v), 1e-6 * expected.norm());

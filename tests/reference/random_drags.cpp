@@ -145,7 +145,7 @@ void RandomDrags::judge(const Eigen::MatrixX2d& V) {
     if (folded || !finite) tally_.worst_at = seed_;
 }
 
-// \return by refusing: nothing has changed then.
+// What is refused changes nothing.
 void RandomDrags::guarded(const std::function<void()>& work) {
     try {
         work();
@@ -192,9 +192,9 @@ void RandomDrags::drag() {
             if (there) tally_.worst_rise = std::max(tally_.worst_rise, (now.energy - energy) / (energy + 1e-9));
             there = frame >= frames && now.settled;
             energy = now.energy;
+            if (frame == frames) pose_ = target;
         });
     }
-    pose_ = target;
     if (below(40) == 0) {
         guarded([&] { deform_at_once(target); });
     } else if (below(60) == 0) {

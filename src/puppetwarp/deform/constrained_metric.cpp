@@ -113,7 +113,9 @@ void ConstrainedMetric::factorise_system() {
     system_ = (scale_.asDiagonal() * system_ * scale_.asDiagonal()).eval();
     factor_.compute(system_);
     deficient_factor_.reset();
-    if (factor_.rcond() > singular) return;
+    // Where a pivot is nothing at all the estimate of the condition is none.
+    const double least_pivot = factor_.matrixLU().diagonal().cwiseAbs().minCoeff();
+    if (least_pivot > singular && factor_.rcond() > singular) return;
     deficient_factor_.emplace();
     deficient_factor_->setThreshold(singular);
     deficient_factor_->compute(system_);

@@ -179,9 +179,8 @@ void RandomDrags::drag() {
         Pose here = target;
         for (auto& [id, to] : here.handles) {
             const auto from = pose_.handles.find(id);
-            const Point start = from != pose_.handles.end() && from->second.to
-                                    ? *from->second.to
-                                    : rest_of(*find_handle(rig_, id), mesh_);
+            const Point start = from != pose_.handles.end() && from->second.to ? *from->second.to
+                                                                               : rest_of(*find_handle(rig_, id), mesh_);
             const double share = std::min(1.0, static_cast<double>(frame) / frames);
             if (to.to) to.to = start + share * (*to.to - start);
         }

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
+#include <vector>
 
 namespace puppetwarp {
 
@@ -20,18 +22,59 @@ constexpr double contradiction = 1e-6;
 // A disc that shrank to this share of its size counts as crushed.
 constexpr double crushed = 0.1;
 // On the way, coming near to the minimum is enough.
-constexpr double loose_tolerance = 1e-2;
+constexpr double loose_tolerance = 1e-3;
 constexpr int loose_iterations = 12;
 // A stride that took more iterations has outrun the factor.
-constexpr int patience = 3;
+constexpr int patience = 1;
+// The widest turn in one stride: wider ones come to other minima than a hand that drags.
+constexpr double stride_rad = 0.2;
 // Turns below are the same by any way.
 constexpr double far_turn_rad = 1.0;
 // A constant metric is given up for the true one after this many iterations.
 constexpr int constant_iterations = 80;
 // A fixed scale with a free angle is a curved condition: met in so many rounds of straight ones.
 constexpr int most_rounds = 20;
-// What the straight way must be better than the turning one.
+// What another way must be better than the turning one.
 constexpr double better_share = 0.999;
+// Turns that differ by less are the same, whole turns counted.
+constexpr double same_turn_rad = 1.0;
+
+double unwrapped(double angle, double last) {
+    return last + std::remainder(angle - last, 2 * std::numbers::pi);
+}
+
+// The turns of free angles whose goals say how far they go, followed in steps below half a turn.
+class TurnCount {
+public:
+    TurnCount(const Binding& binding, const Goals& goals) : binding_(binding), goals_(goals) {
+        turns_.resize(goals.holds.size());
+    }
+    void follow(const Eigen::VectorXcd& x) {
+        for (std::size_t h = 0; h < turns_.size(); ++h) {
+            if (goals_.holds[h].way_rad)
+                turns_[h] = unwrapped(std::arg(row_value(binding_.holds[h].turn, x)), turns_[h]);
+        }
+    }
+    double error() const {
+        double largest = 0;
+        for (std::size_t h = 0; h < turns_.size(); ++h) {
+            if (goals_.holds[h].way_rad) largest = std::max(largest, std::abs(*goals_.holds[h].way_rad - turns_[h]));
+        }
+        return largest;
+    }
+
+private:
+    const Binding& binding_;
+    const Goals& goals_;
+    std::vector<double> turns_;
+};
+
+// Whether the goals say of a free angle that it turned so far that the rest pose, moved rigidly, is another state.
+bool are_wound(const Goals& goals, const Eigen::VectorXcd& x, const Binding& binding) {
+    TurnCount count(binding, goals);
+    count.follow(x);
+    return count.error() > same_turn_rad;
+}
 
 }  // namespace
 
@@ -41,13 +84,14 @@ std::unique_ptr<Deformer> VariationalDeformer::with_rig(const Rig& rig) const {
 }
 
 // Leads the handles from where x has them to the goals, and ends in a minimum there.
-VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& start, const Goals& goals, bool spirals,
+VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& start, const Goals& goals, Way way,
                                                        int most_iterations, Progress& progress) const {
     const double floor = round_off_energy * problem_->size() * problem_->size();
     const MethodOptions& options = problem_->options();
-    const GoalPath path(problem_->binding(), goals_at(start, problem_->binding(), goals), goals, problem_->size(),
-                        spirals);
-    const int strides = path.strides();
+    const GoalPath path(problem_->binding(), goals_at(start, problem_->binding(), goals), goals, problem_->size(), way);
+    const int strides = path.strides(stride_rad);
+    TurnCount turns(problem_->binding(), goals);
+    turns.follow(start);
     Objective objective = problem_->objective(path.at(1.0 / strides), start);
     Descent descent(objective, start);
     std::shared_ptr<ConstrainedMetric> metric;
@@ -77,6 +121,7 @@ VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& s
         const int budget = std::clamp(most_iterations - spent, 0, loose_iterations);
         const Minimum near = minimise(descent, metric, renewed, {loose_tolerance, budget, floor}, progress);
         spent += near.iterations;
+        turns.follow(descent.x());
         slow = near.iterations > patience && !problem_->constant_metric();
     }
     Outcome outcome;
@@ -92,6 +137,8 @@ VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& s
     outcome.x = descent.x();
     outcome.minimum.iterations = spent;
     outcome.value = descent.value();
+    turns.follow(outcome.x);
+    outcome.turn_error = turns.error();
     return outcome;
 }
 
@@ -99,17 +146,20 @@ VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& s
 VariationalDeformer::Outcome VariationalDeformer::best_lead(const Eigen::VectorXcd& start, const Goals& goals,
                                                             bool warm, Progress& progress) const {
     const int most = problem_->options().max_iterations;
-    Outcome turning = lead(start, goals, true, most, progress);
+    Outcome turning = lead(start, goals, Way::turning, most, progress);
     const bool guided = std::any_of(goals.holds.begin(), goals.holds.end(),
                                     [](const HoldGoal& goal) { return goal.way_rad.has_value(); });
     const GoalPath path(problem_->binding(), goals_at(start, problem_->binding(), goals), goals, problem_->size(),
-                        true);
-    if (warm || guided || path.widest_turn_rad() < far_turn_rad || !turning.minimum.converged) return turning;
-    Outcome straight = lead(start, goals, false, most - turning.minimum.iterations, progress);
-    const int iterations = turning.minimum.iterations + straight.minimum.iterations;
-    Outcome& better = straight.value < better_share * turning.value ? straight : turning;
-    better.minimum.iterations = iterations;
-    return better;
+                        Way::turning);
+    if (warm || path.widest_turn_rad() < far_turn_rad || !turning.minimum.converged) return turning;
+    Outcome other =
+        lead(start, goals, guided ? Way::following : Way::straight, most - turning.minimum.iterations, progress);
+    const int iterations = turning.minimum.iterations + other.minimum.iterations;
+    const bool better = other.value < better_share * turning.value;
+    const bool turned = other.turn_error < same_turn_rad, turning_turned = turning.turn_error < same_turn_rad;
+    Outcome& chosen = turned == turning_turned ? (better ? other : turning) : (turned ? other : turning);
+    chosen.minimum.iterations = iterations;
+    return chosen;
 }
 
 // A fixed angle leaves the turn a line through 0: a disc that was crushed there may have come out on the other side,
@@ -148,7 +198,7 @@ Deformation VariationalDeformer::deform(const Pose& pose, const Eigen::MatrixX2d
     Eigen::VectorXcd placed = x;
     problem_->place_held(goals, placed);
     const double energy = objective.value(placed);
-    const bool settled = energy <= round_off_energy * size * size &&
+    const bool settled = !are_wound(goals, placed, problem_->binding()) && energy <= round_off_energy * size * size &&
                          largest_error(placed, problem_->binding(), goals) <= round_off_share * size;
     if (settled || !problem_->has_unknowns()) {
         x = placed;  // a rigid motion, or nothing is free: nothing is left to solve

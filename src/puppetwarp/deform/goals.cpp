@@ -217,6 +217,14 @@ int GoalPath::strides(double stride_rad) const {
     return strides < most_strides ? std::max(1, static_cast<int>(std::ceil(strides))) : most_strides;
 }
 
+Goals GoalPath::held_end() const {
+    Goals end = to_;
+    for (HoldGoal& goal : end.holds) {
+        if (goal.way_rad) goal.angle_rad = goal.way_rad;
+    }
+    return end;
+}
+
 Goals GoalPath::at(double share) const {
     if (share >= 1) return to_;
     Goals here = to_;

@@ -61,6 +61,8 @@ public:
     double widest_turn_rad() const { return widest_turn_; }
     //! At a share of the way in (0, 1]; at 1 exactly the goals given.
     Goals at(double share) const;
+    //! The goals given, free angles fixed at how far the goals say they turn.
+    Goals held_end() const;
 
 private:
     // A point led about a centre that moves itself: centre(share) + arm * exp(share * growth).

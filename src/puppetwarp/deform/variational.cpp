@@ -37,7 +37,9 @@ constexpr int most_rounds = 20;
 // What another way must be better than the turning one.
 constexpr double better_share = 0.999;
 // Turns that differ by less are the same, whole turns counted.
-constexpr double same_turn_rad = 1.0;
+constexpr double same_turn_rad = 0.01;
+// Where the rest pose, moved rigidly, meets the handles it is left only for a state that is turned farther.
+constexpr double wound_rad = 0.1;
 
 double unwrapped(double angle, double last) {
     return last + std::remainder(angle - last, 2 * std::numbers::pi);
@@ -69,11 +71,16 @@ private:
     std::vector<double> turns_;
 };
 
+bool says_turns(const Goals& goals) {
+    return std::any_of(goals.holds.begin(), goals.holds.end(),
+                       [](const HoldGoal& goal) { return goal.way_rad.has_value(); });
+}
+
 // Whether the goals say of a free angle that it turned so far that the rest pose, moved rigidly, is another state.
 bool are_wound(const Goals& goals, const Eigen::VectorXcd& x, const Binding& binding) {
     TurnCount count(binding, goals);
     count.follow(x);
-    return count.error() > same_turn_rad;
+    return count.error() > wound_rad;
 }
 
 }  // namespace
@@ -116,14 +123,16 @@ VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& s
 
     bool slow = false;
     int spent = 0;
-    for (int s = 1; s < strides; ++s) {
-        aim(path.at(static_cast<double>(s) / strides), slow);
+    const auto come_near = [&](const Goals& here) {
+        aim(here, slow);
         const int budget = std::clamp(most_iterations - spent, 0, loose_iterations);
         const Minimum near = minimise(descent, metric, renewed, {loose_tolerance, budget, floor}, progress);
         spent += near.iterations;
         turns.follow(descent.x());
         slow = near.iterations > patience && !problem_->constant_metric();
-    }
+    };
+    for (int s = 1; s < strides; ++s) come_near(path.at(static_cast<double>(s) / strides));
+    if (way == Way::turning && says_turns(goals)) come_near(path.held_end());
     Outcome outcome;
     for (int round = 0; round < most_rounds; ++round) {
         aim(goals, slow);
@@ -147,17 +156,17 @@ VariationalDeformer::Outcome VariationalDeformer::best_lead(const Eigen::VectorX
                                                             bool warm, Progress& progress) const {
     const int most = problem_->options().max_iterations;
     Outcome turning = lead(start, goals, Way::turning, most, progress);
-    const bool guided = std::any_of(goals.holds.begin(), goals.holds.end(),
-                                    [](const HoldGoal& goal) { return goal.way_rad.has_value(); });
+    const bool guided = says_turns(goals);
     const GoalPath path(problem_->binding(), goals_at(start, problem_->binding(), goals), goals, problem_->size(),
                         Way::turning);
     if (warm || path.widest_turn_rad() < far_turn_rad || !turning.minimum.converged) return turning;
     Outcome other =
         lead(start, goals, guided ? Way::following : Way::straight, most - turning.minimum.iterations, progress);
     const int iterations = turning.minimum.iterations + other.minimum.iterations;
-    const bool better = other.value < better_share * turning.value;
-    const bool turned = other.turn_error < same_turn_rad, turning_turned = turning.turn_error < same_turn_rad;
-    Outcome& chosen = turned == turning_turned ? (better ? other : turning) : (turned ? other : turning);
+    // Where a pose was saved in a minimum, its turns tell that from others.
+    const bool told_apart = std::abs(other.turn_error - turning.turn_error) > same_turn_rad;
+    const bool better = told_apart ? other.turn_error < turning.turn_error : other.value < better_share * turning.value;
+    Outcome& chosen = better ? other : turning;
     chosen.minimum.iterations = iterations;
     return chosen;
 }

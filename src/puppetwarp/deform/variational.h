@@ -11,8 +11,8 @@ namespace puppetwarp {
 //! The energies have many minima: the handles are led to their targets in strides small enough to follow, from the rest
 //! pose brought as near to them as a rigid motion can, or from the given start. Where that turns something far, both
 //! the straight and the turning way are gone, and the better end counts; where a pose says how far free angles turned,
-//! both with these held on the way and with all that is free following of itself, and the better end counts of those
-//! that turned so far.
+//! both with these held on the way and with all that is free following of itself, and the end counts that turned so
+//! far.
 class VariationalDeformer : public Deformer {
 public:
     explicit VariationalDeformer(std::shared_ptr<const VariationalProblem> problem) : problem_(std::move(problem)) {}

@@ -15,6 +15,8 @@ constexpr double stride = 0.16;
 constexpr int most_strides = 256;
 // Arms shorter than this share of the size have no direction to turn.
 constexpr double short_arm = 1e-3;
+// The power of the distance by which other handles count for less.
+constexpr double nearness = 16;
 
 double nearest_turn(double angle) {
     return std::remainder(angle, 2 * std::numbers::pi);
@@ -119,7 +121,7 @@ Complex GoalPath::Spiral::at(double share) const {
     return centre_from + share * (centre_to - centre_from) + arm * std::exp(share * growth);
 }
 
-// About the mean of what other handles hold, the near counting most.
+// About the mean of what other handles hold, the nearest counting nearly alone: that is the joint, when somebody drags.
 GoalPath::Spiral GoalPath::spiral_of(std::size_t hold, const Goals& from, const Goals& to,
                                      const Binding& binding) const {
     const Hold& own = binding.holds[hold];
@@ -129,7 +131,7 @@ GoalPath::Spiral GoalPath::spiral_of(std::size_t hold, const Goals& from, const 
         const Hold& other = binding.holds[k];
         if (other.handle == own.handle || other.component != own.component) continue;
         const double distance = std::max(std::abs(other.at - own.at), short_arm * size_) / size_;
-        const double weight = std::pow(distance, -4);
+        const double weight = std::pow(distance, -nearness);
         centre_from += weight * from.holds[k].mean;
         centre_to += weight * to.holds[k].mean;
         sum += weight;

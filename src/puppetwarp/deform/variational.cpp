@@ -26,8 +26,8 @@ constexpr double loose_tolerance = 1e-3;
 constexpr int loose_iterations = 12;
 // A stride that took more iterations has outrun the factor.
 constexpr int patience = 1;
-// The widest turn in one stride: wider ones come to other minima than a hand that drags.
-constexpr double stride_rad = 0.2;
+// The widest turn in one stride, ten degrees: wider ones come to other minima than a hand that drags.
+constexpr double stride_rad = 0.1746;
 // Turns below are the same by any way.
 constexpr double far_turn_rad = 1.0;
 // A constant metric is given up for the true one after this many iterations.

@@ -34,7 +34,7 @@ constexpr double far_turn_rad = 1.0;
 constexpr int constant_iterations = 80;
 // A fixed scale with a free angle is a curved condition: met in so many rounds of straight ones.
 constexpr int most_rounds = 20;
-// What another way must be better than the turning one.
+// What another way must be better than the first.
 constexpr double better_share = 0.999;
 // Turns that differ by less are the same, whole turns counted.
 constexpr double same_turn_rad = 0.01;
@@ -151,22 +151,26 @@ VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& s
     return outcome;
 }
 
-// Both ways where they differ, and the better end.
+// Another way where it differs, and the better end.
 VariationalDeformer::Outcome VariationalDeformer::best_lead(const Eigen::VectorXcd& start, const Goals& goals,
                                                             bool warm, Progress& progress) const {
     const int most = problem_->options().max_iterations;
-    Outcome turning = lead(start, goals, Way::turning, most, progress);
     const bool guided = says_turns(goals);
+    Outcome first = lead(start, goals, guided ? Way::following : Way::turning, most, progress);
+    // Where a pose was saved in a minimum, its turns tell that from others.
+    if (guided ? first.minimum.converged && first.turn_error < same_turn_rad : warm || !first.minimum.converged) {
+        return first;
+    }
     const GoalPath path(problem_->binding(), goals_at(start, problem_->binding(), goals), goals, problem_->size(),
                         Way::turning);
-    if (warm || path.widest_turn_rad() < far_turn_rad || !turning.minimum.converged) return turning;
-    Outcome other =
-        lead(start, goals, guided ? Way::following : Way::straight, most - turning.minimum.iterations, progress);
-    const int iterations = turning.minimum.iterations + other.minimum.iterations;
-    // Where a pose was saved in a minimum, its turns tell that from others.
-    const bool told_apart = std::abs(other.turn_error - turning.turn_error) > same_turn_rad;
-    const bool better = told_apart ? other.turn_error < turning.turn_error : other.value < better_share * turning.value;
-    Outcome& chosen = better ? other : turning;
+    if (!guided && path.widest_turn_rad() < far_turn_rad) return first;
+    // What followed of itself may have spent all on folds that cost no end of iterations.
+    Outcome second = guided ? lead(start, goals, Way::turning, most, progress)
+                            : lead(start, goals, Way::straight, most - first.minimum.iterations, progress);
+    const int iterations = first.minimum.iterations + second.minimum.iterations;
+    const bool told_apart = std::abs(second.turn_error - first.turn_error) > same_turn_rad;
+    const bool better = told_apart ? second.turn_error < first.turn_error : second.value < better_share * first.value;
+    Outcome& chosen = better ? second : first;
     chosen.minimum.iterations = iterations;
     return chosen;
 }
@@ -192,6 +196,9 @@ Deformation VariationalDeformer::deform(const Pose& pose, const Eigen::MatrixX2d
     const Eigen::VectorXcd& rest = problem_->rest();
     if (start != nullptr && (start->rows() != rest.size() || !start->allFinite())) {
         throw InvalidInput("start", "it is not one finite position for each vertex of the mesh");
+    }
+    if (start != nullptr) {
+        for (HoldGoal& goal : goals.holds) goal.way_rad.reset();  // it has turned already
     }
     const double size = problem_->size();
     Eigen::VectorXcd x = start != nullptr ? complex_positions(*start) : rigid_fit(rest, problem_->binding(), goals);

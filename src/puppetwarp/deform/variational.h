@@ -10,9 +10,10 @@ namespace puppetwarp {
 //! over its disc, together with a scale s it is mean f_z = s e^(i theta), a scale alone is |mean f_z| = s.
 //! The energies have many minima: the handles are led to their targets in strides small enough to follow, from the rest
 //! pose brought as near to them as a rigid motion can, or from the given start. Where that turns something far, both
-//! the straight and the turning way are gone, and the better end counts; where a pose says how far free angles turned,
-//! both with these held on the way and with all that is free following of itself, and the end counts that turned so
-//! far.
+//! the straight and the turning way are gone, and the better end counts. Where a pose says how far free angles turned,
+//! all that is free first follows of itself; where it does not end turned so far, another way is gone with these angles
+//! held, with as many iterations again, and the end counts that is nearer to it. A start has turned already: what the
+//! pose says of that is not asked.
 class VariationalDeformer : public Deformer {
 public:
     explicit VariationalDeformer(std::shared_ptr<const VariationalProblem> problem) : problem_(std::move(problem)) {}

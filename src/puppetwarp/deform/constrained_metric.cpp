@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <tuple>
 #include <utility>
 
@@ -11,8 +12,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Makes the system regular where conditions repeat each other; one refinement takes it out again.
-constexpr double compliance = 1e-12;
+// A system between conditions whose scaled inverse is larger than one over this counts as singular.
+constexpr double singular = 1e-13;
 
 ComplexRow turned(const ComplexRow& row, const Complex& direction) {
     ComplexRow result = row;
@@ -100,9 +101,32 @@ void ConstrainedMetric::choose(const std::vector<ComplexRow>& rows, const std::v
     }
     for (Eigen::Index i = 0; i < count && penalty_ > 0; ++i) system(i, i) += 1 / penalty_;
     for (Eigen::Index i = count; i < all; ++i) system(i, i) -= 1 / ground_stiffness_;
-    system_ = system;
-    for (Eigen::Index i = 0; i < count && penalty_ == 0; ++i) system(i, i) *= 1 + compliance;
-    factor_.compute(system);
+    system_ = std::move(system);
+    factorise_system();
+}
+
+void ConstrainedMetric::factorise_system() {
+    scale_ = system_.diagonal().cwiseAbs();
+    for (double& entry : scale_) entry = entry > 0 ? 1 / std::sqrt(entry) : 1;
+    system_ = (scale_.asDiagonal() * system_ * scale_.asDiagonal()).eval();
+    factor_.compute(system_);
+    deficient_factor_.reset();
+    // Where a pivot is nothing at all the estimate of the condition is none.
+    const double least_pivot = factor_.matrixLU().diagonal().cwiseAbs().minCoeff();
+    if (least_pivot > singular && factor_.rcond() > singular) return;
+    deficient_factor_.emplace();
+    deficient_factor_->setThreshold(singular);
+    deficient_factor_->compute(system_);
+}
+
+// One refinement, so that conditions do not drift by round-off, a little in each step, along the forces on them.
+Eigen::VectorXd ConstrainedMetric::forces_for(const Eigen::VectorXd& off) const {
+    const Eigen::VectorXd b = scale_.cwiseProduct(off);
+    const auto refined = [&](const auto& factor) -> Eigen::VectorXd {
+        const Eigen::VectorXd forces = factor.solve(b);
+        return forces + factor.solve(b - system_ * forces);
+    };
+    return scale_.cwiseProduct(deficient_factor_ ? refined(*deficient_factor_) : refined(factor_));
 }
 
 Eigen::VectorXcd ConstrainedMetric::step(const Eigen::VectorXcd& q, const Eigen::VectorXd& missing) const {
@@ -123,9 +147,7 @@ void ConstrainedMetric::bring_onto(const Eigen::VectorXd& missing, Eigen::Vector
     Eigen::VectorXd off(static_cast<Eigen::Index>(functionals_.size()));
     for (Eigen::Index i = 0; i < off.size(); ++i) off(i) = functionals_[static_cast<std::size_t>(i)].of(p);
     off.head(missing.size()) -= missing;
-    Eigen::VectorXd forces = factor_.solve(off);
-    // Without this the compliance would let the conditions drift, a little in each step, along the forces on them.
-    forces += factor_.solve(off - system_ * forces);
+    const Eigen::VectorXd forces = forces_for(off);
     for (Eigen::Index i = 0; i < off.size(); ++i) {
         const Functional& functional = functionals_[static_cast<std::size_t>(i)];
         const Complex force = forces(i) * functional.direction;

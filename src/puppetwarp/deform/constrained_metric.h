@@ -5,6 +5,7 @@
 #include <puppetwarp/rig/binding.h>
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 
 #include <map>
 #include <optional>
@@ -24,7 +25,8 @@ double left_side(const Condition& condition, const std::vector<ComplexRow>& rows
 //! The Newton step of an energy under conditions on the positions: a factored Hessian that knows nothing of the
 //! conditions, and a small dense system for them. So conditions come, go and turn without a new factor, for the
 //! price of two solves for a row that is new; the grounds that made the Hessian definite are taken out again in the
-//! same system (Woodbury).
+//! same system (Woodbury). Conditions that repeat or contradict each other, or that no free vertex can meet, are met
+//! in the least-squares sense.
 class ConstrainedMetric {
 public:
     //! \param grounds  as given to the Hessian.
@@ -65,6 +67,8 @@ private:
 
         double of(const Eigen::VectorXcd& x) const;
     };
+    void factorise_system();
+    Eigen::VectorXd forces_for(const Eigen::VectorXd& off) const;
     void bring_onto(const Eigen::VectorXd& missing, Eigen::VectorXcd& p) const;
     bool same_as_chosen(const std::vector<Condition>& conditions, bool keep_grounds) const;
     SharedResponse response(int key, const ComplexRow& row);
@@ -78,8 +82,10 @@ private:
     std::optional<std::vector<Condition>> chosen_;
     bool grounds_kept_ = false;
     std::vector<Functional> functionals_;  // of what was chosen, then of the grounds
-    Eigen::MatrixXd system_;
+    Eigen::MatrixXd system_;               // its diagonal brought to 1 by `scale_` on both sides
+    Eigen::VectorXd scale_;
     Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+    std::optional<Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>> deficient_factor_;  // where it is singular
 };
 
 }  // namespace puppetwarp

@@ -62,7 +62,16 @@ void Descent::restart_at(Eigen::VectorXcd x) {
 
 void Descent::meet_conditions(const ConstrainedMetric& metric) {
     if (objective_.penalty > 0 || objective_.conditions.empty()) return;
-    x_ -= metric.step(gradient_, -objective_.missing(x_));
+    const Eigen::VectorXd missing = objective_.missing(x_);
+    const Eigen::VectorXcd start = x_;
+    const double before = value_;
+    x_ -= metric.step(gradient_, -missing);
+    polish_conditions(metric);
+    if (value_ <= before) return;
+    // Far from a minimum the Newton step may lead anywhere, stride for stride farther: its model ends long before.
+    Eigen::VectorXcd cheapest = start + metric.correction(missing);
+    if (value_ <= objective_.value(cheapest)) return;
+    x_ = std::move(cheapest);
     polish_conditions(metric);
 }
 

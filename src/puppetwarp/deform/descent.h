@@ -26,7 +26,8 @@ public:
     void restart();
     //! Moves to other positions, where vertices that may not move were put elsewhere. What was learned stays.
     void restart_at(Eigen::VectorXcd x);
-    //! Meets exact conditions by one Newton step, however far that is and whatever it costs.
+    //! Meets exact conditions, however far that is: by one Newton step, or by the cheapest move in the metric where
+    //! that costs less.
     void meet_conditions(const ConstrainedMetric& metric);
     //! Takes away what round-off left of exact conditions.
     void polish_conditions(const ConstrainedMetric& metric);

@@ -17,6 +17,8 @@ constexpr double settled_share = 5e-5;
 constexpr double on_the_way_share = 2e-3;
 // Without a worker: iterations beyond the first of each call that pay for a factor.
 constexpr int worth_a_factor = 14;
+// The widest turn in one stride: a pose that follows another is near as a rule.
+constexpr double stride_rad = 0.5;
 // Energies below this share of the squared size are what round-off makes of none.
 constexpr double round_off_energy = 1e-18;
 
@@ -72,8 +74,9 @@ void Drag::set_problem(std::shared_ptr<const VariationalProblem> problem) {
 // \return whether that was all of it.
 bool Drag::stride_towards(const Goals& goals) {
     Eigen::VectorXcd x = state_->descent.x();
-    const GoalPath path(problem_->binding(), goals_at(x, problem_->binding(), goals), goals, problem_->size(), false);
-    const int strides = path.strides();
+    const GoalPath path(problem_->binding(), goals_at(x, problem_->binding(), goals), goals, problem_->size(),
+                        Way::straight);
+    const int strides = path.strides(stride_rad);
     const Goals here = path.at(1.0 / strides);
     problem_->place_held(here, x);
     problem_->aim(state_->objective, here, x);

@@ -10,12 +10,13 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// How far one stride goes: a share of the subject's size, and an angle.
+// How far one stride goes: a share of the subject's size.
 constexpr double stride = 0.16;
-constexpr double stride_rad = 0.5;
 constexpr int most_strides = 256;
 // Arms shorter than this share of the size have no direction to turn.
 constexpr double short_arm = 1e-3;
+// The power of the distance by which other handles count for less.
+constexpr double nearness = 16;
 
 double nearest_turn(double angle) {
     return std::remainder(angle, 2 * std::numbers::pi);
@@ -120,7 +121,7 @@ Complex GoalPath::Spiral::at(double share) const {
     return centre_from + share * (centre_to - centre_from) + arm * std::exp(share * growth);
 }
 
-// About the mean of what other handles hold, the near counting most.
+// About the mean of what other handles hold, the nearest counting nearly alone: that is the joint, when somebody drags.
 GoalPath::Spiral GoalPath::spiral_of(std::size_t hold, const Goals& from, const Goals& to,
                                      const Binding& binding) const {
     const Hold& own = binding.holds[hold];
@@ -130,7 +131,7 @@ GoalPath::Spiral GoalPath::spiral_of(std::size_t hold, const Goals& from, const 
         const Hold& other = binding.holds[k];
         if (other.handle == own.handle || other.component != own.component) continue;
         const double distance = std::max(std::abs(other.at - own.at), short_arm * size_) / size_;
-        const double weight = 1 / (distance * distance);
+        const double weight = std::pow(distance, -nearness);
         centre_from += weight * from.holds[k].mean;
         centre_to += weight * to.holds[k].mean;
         sum += weight;
@@ -151,11 +152,11 @@ GoalPath::Spiral GoalPath::spiral_of(std::size_t hold, const Goals& from, const 
     return {centre_from, centre_to, arm_from, Complex(std::log(std::abs(arm_to) / std::abs(arm_from)), angle)};
 }
 
-GoalPath::GoalPath(const Binding& binding, const Goals& from, const Goals& to, double size, bool spirals)
-    : from_(from), to_(to), size_(size) {
+GoalPath::GoalPath(const Binding& binding, const Goals& from, const Goals& to, double size, Way way)
+    : from_(from), to_(to), size_(size), way_(way) {
     for (std::size_t h = 0; h < to.holds.size(); ++h) {
-        holds_.push_back(spirals ? spiral_of(h, from, to, binding)
-                                 : Spiral{from.holds[h].mean, to.holds[h].mean, 0, 0});
+        holds_.push_back(way == Way::straight ? Spiral{from.holds[h].mean, to.holds[h].mean, 0, 0}
+                                              : spiral_of(h, from, to, binding));
         widest_turn_ = std::max(widest_turn_, std::abs(holds_.back().growth.imag()));
     }
     // A handle's vertices turn together, about their own centre.
@@ -198,7 +199,7 @@ GoalPath::GoalPath(const Binding& binding, const Goals& from, const Goals& to, d
     }
 }
 
-int GoalPath::strides() const {
+int GoalPath::strides(double stride_rad) const {
     double strides = 0;
     const auto count_spiral = [&](const Spiral& spiral) {
         const double arm = std::abs(spiral.arm) * std::max(1.0, std::exp(spiral.growth.real()));
@@ -218,6 +219,14 @@ int GoalPath::strides() const {
     return strides < most_strides ? std::max(1, static_cast<int>(std::ceil(strides))) : most_strides;
 }
 
+Goals GoalPath::held_end() const {
+    Goals end = to_;
+    for (HoldGoal& goal : end.holds) {
+        if (goal.way_rad) goal.angle_rad = goal.way_rad;
+    }
+    return end;
+}
+
 Goals GoalPath::at(double share) const {
     if (share >= 1) return to_;
     Goals here = to_;
@@ -227,7 +236,8 @@ Goals GoalPath::at(double share) const {
         HoldGoal& goal = here.holds[h];
         goal.mean = holds_[h].at(share);
         if (to.angle_rad) goal.angle_rad = *from.angle_rad + share * (*to.angle_rad - *from.angle_rad);
-        if (to.way_rad) goal.angle_rad = *from.way_rad + share * (*to.way_rad - *from.way_rad);
+        if (to.way_rad && way_ != Way::following)
+            goal.angle_rad = *from.way_rad + share * (*to.way_rad - *from.way_rad);
         if (to.scale) goal.scale = *from.scale * std::pow(*to.scale / *from.scale, share);
     }
     for (std::size_t k = 0; k < vertices_.size(); ++k) {

@@ -40,22 +40,29 @@ double largest_error(const Eigen::VectorXcd& x, const Binding& binding, const Go
 //! excludes and no handle holds stay at rest.
 Eigen::VectorXcd rigid_fit(const Eigen::VectorXcd& rest, const Binding& binding, const Goals& goals);
 
+//! How handles are led to their goals.
+enum class Way {
+    straight,  //!< along straight lines
+    turning,   //!< along spirals; a free angle is fixed on the way where the goals say how far it turns
+    following  //!< along the same spirals, free angles left free
+};
+
 //! A way from some goals to others in strides that a descent can follow. What turned about the rest of the handles is
 //! led along a logarithmic spiral about them, not through them: straight across a joint, a limb would come out
 //! mirrored.
 class GoalPath {
 public:
-    //! \param size     bounding diagonal of the mesh.
-    //! \param spirals  false: means go straight.
-    GoalPath(const Binding& binding, const Goals& from, const Goals& to, double size, bool spirals);
+    //! \param size  bounding diagonal of the mesh.
+    GoalPath(const Binding& binding, const Goals& from, const Goals& to, double size, Way way);
 
-    //! Strides, at least 1.
-    int strides() const;
+    //! Strides, at least 1. \param stride_rad  the widest turn of one.
+    int strides(double stride_rad) const;
     //! The widest angle of any spiral.
     double widest_turn_rad() const { return widest_turn_; }
-    //! At a share of the way in (0, 1]; at 1 exactly the goals given. On the way free angles are fixed where the goals
-    //! say how far they turn.
+    //! At a share of the way in (0, 1]; at 1 exactly the goals given.
     Goals at(double share) const;
+    //! The goals given, free angles fixed at how far the goals say they turn.
+    Goals held_end() const;
 
 private:
     // A point led about a centre that moves itself: centre(share) + arm * exp(share * growth).
@@ -68,6 +75,7 @@ private:
     Goals from_;
     Goals to_;
     double size_;
+    Way way_;
     std::vector<Spiral> holds_;
     std::vector<Spiral> vertices_;
     double widest_turn_ = 0;

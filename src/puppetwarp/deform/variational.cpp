@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
+#include <vector>
 
 namespace puppetwarp {
 
@@ -20,18 +22,66 @@ constexpr double contradiction = 1e-6;
 // A disc that shrank to this share of its size counts as crushed.
 constexpr double crushed = 0.1;
 // On the way, coming near to the minimum is enough.
-constexpr double loose_tolerance = 1e-2;
+constexpr double loose_tolerance = 1e-3;
 constexpr int loose_iterations = 12;
 // A stride that took more iterations has outrun the factor.
-constexpr int patience = 3;
+constexpr int patience = 1;
+// The widest turn in one stride, ten degrees: wider ones come to other minima than a hand that drags.
+constexpr double stride_rad = 0.1746;
 // Turns below are the same by any way.
 constexpr double far_turn_rad = 1.0;
 // A constant metric is given up for the true one after this many iterations.
 constexpr int constant_iterations = 80;
 // A fixed scale with a free angle is a curved condition: met in so many rounds of straight ones.
 constexpr int most_rounds = 20;
-// What the straight way must be better than the turning one.
+// What another way must be better than the first.
 constexpr double better_share = 0.999;
+// Turns that differ by less are the same, whole turns counted.
+constexpr double same_turn_rad = 0.01;
+// Where the rest pose, moved rigidly, meets the handles it is left only for a state that is turned farther.
+constexpr double wound_rad = 0.1;
+
+double unwrapped(double angle, double last) {
+    return last + std::remainder(angle - last, 2 * std::numbers::pi);
+}
+
+// The turns of free angles whose goals say how far they go, followed in steps below half a turn.
+class TurnCount {
+public:
+    TurnCount(const Binding& binding, const Goals& goals) : binding_(binding), goals_(goals) {
+        turns_.resize(goals.holds.size());
+    }
+    void follow(const Eigen::VectorXcd& x) {
+        for (std::size_t h = 0; h < turns_.size(); ++h) {
+            if (goals_.holds[h].way_rad)
+                turns_[h] = unwrapped(std::arg(row_value(binding_.holds[h].turn, x)), turns_[h]);
+        }
+    }
+    double error() const {
+        double largest = 0;
+        for (std::size_t h = 0; h < turns_.size(); ++h) {
+            if (goals_.holds[h].way_rad) largest = std::max(largest, std::abs(*goals_.holds[h].way_rad - turns_[h]));
+        }
+        return largest;
+    }
+
+private:
+    const Binding& binding_;
+    const Goals& goals_;
+    std::vector<double> turns_;
+};
+
+bool says_turns(const Goals& goals) {
+    return std::any_of(goals.holds.begin(), goals.holds.end(),
+                       [](const HoldGoal& goal) { return goal.way_rad.has_value(); });
+}
+
+// Whether the goals say of a free angle that it turned so far that the rest pose, moved rigidly, is another state.
+bool are_wound(const Goals& goals, const Eigen::VectorXcd& x, const Binding& binding) {
+    TurnCount count(binding, goals);
+    count.follow(x);
+    return count.error() > wound_rad;
+}
 
 }  // namespace
 
@@ -41,13 +91,14 @@ std::unique_ptr<Deformer> VariationalDeformer::with_rig(const Rig& rig) const {
 }
 
 // Leads the handles from where x has them to the goals, and ends in a minimum there.
-VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& start, const Goals& goals, bool spirals,
+VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& start, const Goals& goals, Way way,
                                                        int most_iterations, Progress& progress) const {
     const double floor = round_off_energy * problem_->size() * problem_->size();
     const MethodOptions& options = problem_->options();
-    const GoalPath path(problem_->binding(), goals_at(start, problem_->binding(), goals), goals, problem_->size(),
-                        spirals);
-    const int strides = path.strides();
+    const GoalPath path(problem_->binding(), goals_at(start, problem_->binding(), goals), goals, problem_->size(), way);
+    const int strides = path.strides(stride_rad);
+    TurnCount turns(problem_->binding(), goals);
+    turns.follow(start);
     Objective objective = problem_->objective(path.at(1.0 / strides), start);
     Descent descent(objective, start);
     std::shared_ptr<ConstrainedMetric> metric;
@@ -72,13 +123,16 @@ VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& s
 
     bool slow = false;
     int spent = 0;
-    for (int s = 1; s < strides; ++s) {
-        aim(path.at(static_cast<double>(s) / strides), slow);
+    const auto come_near = [&](const Goals& here) {
+        aim(here, slow);
         const int budget = std::clamp(most_iterations - spent, 0, loose_iterations);
         const Minimum near = minimise(descent, metric, renewed, {loose_tolerance, budget, floor}, progress);
         spent += near.iterations;
+        turns.follow(descent.x());
         slow = near.iterations > patience && !problem_->constant_metric();
-    }
+    };
+    for (int s = 1; s < strides; ++s) come_near(path.at(static_cast<double>(s) / strides));
+    if (way == Way::turning && says_turns(goals)) come_near(path.held_end());
     Outcome outcome;
     for (int round = 0; round < most_rounds; ++round) {
         aim(goals, slow);
@@ -92,24 +146,33 @@ VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& s
     outcome.x = descent.x();
     outcome.minimum.iterations = spent;
     outcome.value = descent.value();
+    turns.follow(outcome.x);
+    outcome.turn_error = turns.error();
     return outcome;
 }
 
-// Both ways where they differ, and the better end.
+// Another way where it differs, and the better end.
 VariationalDeformer::Outcome VariationalDeformer::best_lead(const Eigen::VectorXcd& start, const Goals& goals,
                                                             bool warm, Progress& progress) const {
     const int most = problem_->options().max_iterations;
-    Outcome turning = lead(start, goals, true, most, progress);
-    const bool guided = std::any_of(goals.holds.begin(), goals.holds.end(),
-                                    [](const HoldGoal& goal) { return goal.way_rad.has_value(); });
+    const bool guided = says_turns(goals);
+    Outcome first = lead(start, goals, guided ? Way::following : Way::turning, most, progress);
+    // Where a pose was saved in a minimum, its turns tell that from others.
+    if (guided ? first.minimum.converged && first.turn_error < same_turn_rad : warm || !first.minimum.converged) {
+        return first;
+    }
     const GoalPath path(problem_->binding(), goals_at(start, problem_->binding(), goals), goals, problem_->size(),
-                        true);
-    if (warm || guided || path.widest_turn_rad() < far_turn_rad || !turning.minimum.converged) return turning;
-    Outcome straight = lead(start, goals, false, most - turning.minimum.iterations, progress);
-    const int iterations = turning.minimum.iterations + straight.minimum.iterations;
-    Outcome& better = straight.value < better_share * turning.value ? straight : turning;
-    better.minimum.iterations = iterations;
-    return better;
+                        Way::turning);
+    if (!guided && path.widest_turn_rad() < far_turn_rad) return first;
+    // What followed of itself may have spent all on folds that cost no end of iterations.
+    Outcome second = guided ? lead(start, goals, Way::turning, most, progress)
+                            : lead(start, goals, Way::straight, most - first.minimum.iterations, progress);
+    const int iterations = first.minimum.iterations + second.minimum.iterations;
+    const bool told_apart = std::abs(second.turn_error - first.turn_error) > same_turn_rad;
+    const bool better = told_apart ? second.turn_error < first.turn_error : second.value < better_share * first.value;
+    Outcome& chosen = better ? second : first;
+    chosen.minimum.iterations = iterations;
+    return chosen;
 }
 
 // A fixed angle leaves the turn a line through 0: a disc that was crushed there may have come out on the other side,
@@ -134,6 +197,9 @@ Deformation VariationalDeformer::deform(const Pose& pose, const Eigen::MatrixX2d
     if (start != nullptr && (start->rows() != rest.size() || !start->allFinite())) {
         throw InvalidInput("start", "it is not one finite position for each vertex of the mesh");
     }
+    if (start != nullptr) {
+        for (HoldGoal& goal : goals.holds) goal.way_rad.reset();  // it has turned already
+    }
     const double size = problem_->size();
     Eigen::VectorXcd x = start != nullptr ? complex_positions(*start) : rigid_fit(rest, problem_->binding(), goals);
     for (Eigen::Index v = 0; v < x.size(); ++v) {
@@ -148,7 +214,7 @@ Deformation VariationalDeformer::deform(const Pose& pose, const Eigen::MatrixX2d
     Eigen::VectorXcd placed = x;
     problem_->place_held(goals, placed);
     const double energy = objective.value(placed);
-    const bool settled = energy <= round_off_energy * size * size &&
+    const bool settled = !are_wound(goals, placed, problem_->binding()) && energy <= round_off_energy * size * size &&
                          largest_error(placed, problem_->binding(), goals) <= round_off_share * size;
     if (settled || !problem_->has_unknowns()) {
         x = placed;  // a rigid motion, or nothing is free: nothing is left to solve

@@ -10,7 +10,10 @@ namespace puppetwarp {
 //! over its disc, together with a scale s it is mean f_z = s e^(i theta), a scale alone is |mean f_z| = s.
 //! The energies have many minima: the handles are led to their targets in strides small enough to follow, from the rest
 //! pose brought as near to them as a rigid motion can, or from the given start. Where that turns something far, both
-//! the straight and the turning way are gone, and the better end counts.
+//! the straight and the turning way are gone, and the better end counts. Where a pose says how far free angles turned,
+//! all that is free first follows of itself; where it does not end turned so far, another way is gone with these angles
+//! held, with as many iterations again, and the end counts that is nearer to it. A start has turned already: what the
+//! pose says of that is not asked.
 class VariationalDeformer : public Deformer {
 public:
     explicit VariationalDeformer(std::shared_ptr<const VariationalProblem> problem) : problem_(std::move(problem)) {}
@@ -22,8 +25,9 @@ private:
         Eigen::VectorXcd x;
         Minimum minimum;
         double value = 0;
+        double turn_error = 0;  // how far the most erring of the turns is from what the goals say
     };
-    Outcome lead(const Eigen::VectorXcd& start, const Goals& goals, bool spirals, int most_iterations,
+    Outcome lead(const Eigen::VectorXcd& start, const Goals& goals, Way way, int most_iterations,
                  Progress& progress) const;
     Outcome best_lead(const Eigen::VectorXcd& start, const Goals& goals, bool warm, Progress& progress) const;
     bool keep_facing(const Eigen::VectorXcd& x, Goals& goals) const;

@@ -71,16 +71,16 @@ bool ConstrainedMetric::same_as_chosen(const std::vector<Condition>& conditions,
                [](const Condition& a, const Condition& b) { return a.row == b.row && a.direction == b.direction; });
 }
 
-void ConstrainedMetric::choose(const std::vector<ComplexRow>& rows, const std::vector<Condition>& conditions,
+bool ConstrainedMetric::choose(const std::vector<ComplexRow>& rows, const std::vector<Condition>& conditions,
                                bool keep_grounds) {
-    if (same_as_chosen(conditions, keep_grounds)) return;
+    if (same_as_chosen(conditions, keep_grounds)) return false;
     chosen_ = conditions;
     grounds_kept_ = keep_grounds;
     const std::size_t grounds = keep_grounds ? 0 : 2 * ground_rows_.size();
     const auto count = static_cast<Eigen::Index>(conditions.size());
     const auto all = count + static_cast<Eigen::Index>(grounds);
     functionals_.clear();
-    if (all == 0) return;
+    if (all == 0) return true;
     const auto add = [&](int key, const ComplexRow& row, const Complex& direction) {
         functionals_.push_back({turned(row, direction), direction, response(key, row)});
     };
@@ -103,6 +103,7 @@ void ConstrainedMetric::choose(const std::vector<ComplexRow>& rows, const std::v
     for (Eigen::Index i = count; i < all; ++i) system(i, i) -= 1 / ground_stiffness_;
     system_ = std::move(system);
     factorise_system();
+    return true;
 }
 
 void ConstrainedMetric::factorise_system() {

@@ -17,6 +17,7 @@ struct Condition {
     int row = 0;                         //!< among the rows of the metric
     std::complex<double> direction = 1;  //!< of length 1
     double value = 0;
+    bool fixes_angle = false;            //!< whether it keeps what it holds from turning
 };
 
 //! The value of a condition's left side.
@@ -41,7 +42,9 @@ public:
     //! Chooses the conditions that hold from now on.
     //! \param rows          of which conditions are made: always the same ones, or more at the end.
     //! \param keep_grounds  for handles that leave rigid motions free: the metric is then stiffer than the energy.
-    void choose(const std::vector<ComplexRow>& rows, const std::vector<Condition>& conditions, bool keep_grounds);
+    //! \return whether these are others than before, but for their values: steps taken under the old ones are then none
+    //!         that a descent may go on with.
+    bool choose(const std::vector<ComplexRow>& rows, const std::vector<Condition>& conditions, bool keep_grounds);
 
     //! The p that minimises -Re<q, p> + p^T H p / 2 under the conditions that their left sides at p are `missing`, or 0
     //! where that is empty. With a penalty the conditions are springs, part of H, and `missing` is empty.

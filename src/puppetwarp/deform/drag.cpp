@@ -82,7 +82,7 @@ bool Drag::stride_towards(const Goals& goals) {
     problem_->aim(state_->objective, here, x);
     state_->descent.restart_at(std::move(x));
     if (metric_) {
-        problem_->choose(*metric_, state_->objective);
+        if (problem_->choose(*metric_, state_->objective)) state_->descent.forget();
         state_->descent.meet_conditions(*metric_);
     }
     converged_ = false;

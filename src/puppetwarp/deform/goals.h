@@ -59,6 +59,8 @@ public:
     int strides(double stride_rad) const;
     //! The widest angle of any spiral.
     double widest_turn_rad() const { return widest_turn_; }
+    //! The angle of a hold's spiral.
+    double turn_rad(std::size_t hold) const { return holds_[hold].growth.imag(); }
     //! At a share of the way in (0, 1]; at 1 exactly the goals given.
     Goals at(double share) const;
     //! The goals given, free angles fixed at how far the goals say they turn.

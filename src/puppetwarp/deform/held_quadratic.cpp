@@ -15,6 +15,7 @@ namespace {
 using Complex = std::complex<double>;
 
 // Handles whose targets are missed by more than this share of the subject's size contradict each other.
+constexpr double trace_share = 1e-9;
 constexpr double contradiction = 1e-6;
 // What is missed by less than this share is round-off.
 constexpr double round_off = 1e-14;
@@ -205,14 +206,28 @@ void HeldQuadratic::factorise() {
     }
 }
 
+// A row without its free vertices where they have next to no share in it: what handles hold decides it then, and what
+// is left of the free ones is round-off that nobody could move by.
+ComplexRow HeldQuadratic::without_traces(const ComplexRow& row) const {
+    double free = 0, all = 0;
+    const auto is_free = [&](int vertex) { return slot_[static_cast<std::size_t>(vertex)] >= 0; };
+    for (const auto& [vertex, coefficient] : row) {
+        all += std::abs(coefficient);
+        if (is_free(vertex)) free += std::abs(coefficient);
+    }
+    ComplexRow result = row;
+    if (free < trace_share * all) std::erase_if(result, [&](const auto& entry) { return is_free(entry.first); });
+    return result;
+}
+
 void HeldQuadratic::prepare_rows(const Binding& binding, AffineUse affine) {
     for (std::size_t h = 0; h < binding.holds.size(); ++h) {
         const Hold& hold = binding.holds[h];
-        means_.push_back(hold.mean);
+        means_.push_back(without_traces(hold.mean));
         if (hold.turn.empty()) continue;
-        rows_.push_back({static_cast<int>(h), false, hold.radius_px, times(hold.turn, hold.radius_px)});
+        rows_.push_back({static_cast<int>(h), false, hold.radius_px, times(without_traces(hold.turn), hold.radius_px)});
         if (affine == AffineUse::no) continue;
-        rows_.push_back({static_cast<int>(h), true, hold.radius_px, times(hold.shear, hold.radius_px)});
+        rows_.push_back({static_cast<int>(h), true, hold.radius_px, times(without_traces(hold.shear), hold.radius_px)});
     }
 }
 

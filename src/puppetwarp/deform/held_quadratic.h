@@ -83,6 +83,7 @@ private:
     void keep_idle_modes();
     void add_stiffness(const ComplexRow& mean, int parts, std::vector<Eigen::Triplet<double>>& entries) const;
     void factorise();
+    ComplexRow without_traces(const ComplexRow& row) const;
     void prepare_rows(const Binding& binding, AffineUse affine);
     Eigen::MatrixXcd mean_answers() const;
     Eigen::VectorXcd means_of(const Eigen::VectorXcd& u) const;

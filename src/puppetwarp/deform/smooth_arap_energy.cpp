@@ -41,15 +41,20 @@ SmoothArapEnergy::SmoothArapEnergy(const TriangleMesh& mesh, const Eigen::Vector
     constant_ = arap_->constant_hessian() + bending_;
 }
 
+// Seen from a vertex: rows sum to 0, and far from the origin that would cost digits.
+Eigen::VectorXcd SmoothArapEnergy::curvature(const Eigen::VectorXcd& x) const {
+    return scaled_ * (x.array() - x(0)).matrix();
+}
+
 double SmoothArapEnergy::value(const Eigen::VectorXcd& x) const {
-    return arap_->value(x) + (scaled_ * x).squaredNorm();
+    return arap_->value(x) + curvature(x).squaredNorm();
 }
 
 double SmoothArapEnergy::gradient(const Eigen::VectorXcd& x, Eigen::VectorXcd& g) const {
     const double arap = arap_->gradient(x, g);
-    const Eigen::VectorXcd curvature = scaled_ * x;
-    g += 2 * (scaled_.transpose() * curvature);
-    return arap + curvature.squaredNorm();
+    const Eigen::VectorXcd bent = curvature(x);
+    g += 2 * (scaled_.transpose() * bent);
+    return arap + bent.squaredNorm();
 }
 
 }  // namespace puppetwarp

@@ -29,6 +29,8 @@ public:
     const SparseMatrix& bending_hessian() const { return bending_; }
 
 private:
+    Eigen::VectorXcd curvature(const Eigen::VectorXcd& x) const;
+
     std::unique_ptr<Energy> arap_;
     SparseMatrix scaled_;  // rows of L of inner vertices times l / sqrt(M): the term is |scaled x|^2
     SparseMatrix bending_;

@@ -115,8 +115,8 @@ VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& s
         if (!metric || renew) {
             metric = problem_->metric(descent.x(), objective);
             descent.forget();
-        } else {
-            problem_->choose(*metric, objective);
+        } else if (problem_->choose(*metric, objective)) {
+            descent.forget();
         }
         descent.meet_conditions(*metric);
     };
@@ -161,18 +161,36 @@ VariationalDeformer::Outcome VariationalDeformer::best_lead(const Eigen::VectorX
     if (guided ? first.minimum.converged && first.turn_error < same_turn_rad : warm || !first.minimum.converged) {
         return first;
     }
-    const GoalPath path(problem_->binding(), goals_at(start, problem_->binding(), goals), goals, problem_->size(),
-                        Way::turning);
-    if (!guided && path.widest_turn_rad() < far_turn_rad) return first;
-    // What followed of itself may have spent all on folds that cost no end of iterations.
-    Outcome second = guided ? lead(start, goals, Way::turning, most, progress)
-                            : lead(start, goals, Way::straight, most - first.minimum.iterations, progress);
-    const int iterations = first.minimum.iterations + second.minimum.iterations;
-    const bool told_apart = std::abs(second.turn_error - first.turn_error) > same_turn_rad;
-    const bool better = told_apart ? second.turn_error < first.turn_error : second.value < better_share * first.value;
-    Outcome& chosen = better ? second : first;
-    chosen.minimum.iterations = iterations;
-    return chosen;
+    int iterations = first.minimum.iterations;
+    if (guided) {
+        // What followed of itself may have spent all on folds that cost no end of iterations.
+        Outcome second = lead(start, goals, Way::turning, most, progress);
+        iterations += second.minimum.iterations;
+        const bool told_apart = std::abs(second.turn_error - first.turn_error) > same_turn_rad;
+        if (told_apart ? second.turn_error < first.turn_error : second.value < better_share * first.value) {
+            first = std::move(second);
+        }
+    } else {
+        const Goals from = goals_at(start, problem_->binding(), goals);
+        const GoalPath path(problem_->binding(), from, goals, problem_->size(), Way::turning);
+        if (path.widest_turn_rad() < far_turn_rad) return first;
+        // Straight on, and with all that is turned kept at the angle of its spiral: an arm as a whole.
+        Goals turned = goals;
+        for (std::size_t h = 0; h < turned.holds.size(); ++h) {
+            const Hold& hold = problem_->binding().holds[h];
+            if (hold.turn.empty() || turned.holds[h].angle_rad) continue;
+            turned.holds[h].way_rad = std::arg(row_value(hold.turn, start)) + path.turn_rad(h);
+        }
+        const auto try_way = [&](const Goals& by, Way way) {
+            Outcome other = lead(start, by, way, std::max(0, most - iterations), progress);
+            iterations += other.minimum.iterations;
+            if (other.value < better_share * first.value) first = std::move(other);
+        };
+        try_way(turned, Way::turning);
+        try_way(goals, Way::straight);
+    }
+    first.minimum.iterations = iterations;
+    return first;
 }
 
 // A fixed angle leaves the turn a line through 0: a disc that was crushed there may have come out on the other side,

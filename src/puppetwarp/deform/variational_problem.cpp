@@ -1,5 +1,6 @@
 #include <puppetwarp/deform/variational_problem.h>
 
+#include <puppetwarp/base/errors.h>
 #include <puppetwarp/deform/arap_energy.h>
 #include <puppetwarp/deform/element_energy.h>
 #include <puppetwarp/deform/smooth_arap_energy.h>
@@ -16,7 +17,8 @@ using Complex = std::complex<double>;
 // Springs of `fold-free`: of the order of 0.005 thousandths of the subject's size off.   ALGORITHMS.md section 4.
 constexpr double fold_free_penalty = 1e4;
 // Default bending length, against the subject's size.
-constexpr double bending_share = 0.02;
+constexpr double bending_share = 0.01;
+constexpr int longest_bending = 100;
 // How much of the Laplacian `smooth-arap`'s constant metric has beside the bending: local rotations cost nothing in the
 // energy and all in the Laplacian.
 constexpr double laplacian_share = 0.2;
@@ -24,13 +26,20 @@ constexpr double laplacian_share = 0.2;
 // A scale is met when it is as near as this; springs leave what they leave.
 constexpr double settled_scale = 1e-10;
 
+double bending_length(const MethodOptions& options, double size) {
+    const double length = options.bending_length_px.value_or(bending_share * size);
+    if (length > 0 && length <= longest_bending * size) return length;
+    throw InvalidInput("bending_length_px", "must be above 0 and at most " + std::to_string(longest_bending) +
+                                                " times the subject's size");
+}
+
 std::unique_ptr<const Energy> make_energy(const MethodOptions& options, const TriangleMesh& mesh,
                                           const Eigen::VectorXd& stiffness, double size) {
     switch (options.method) {
         case Method::fold_free: return make_symmetric_dirichlet(mesh, stiffness);
         case Method::smooth_arap:
             return std::make_unique<SmoothArapEnergy>(mesh, stiffness,
-                                                      options.bending_length_px.value_or(bending_share * size));
+                                                      bending_length(options, size));
         default: break;
     }
     return make_arap_energy(options.arap_energy, mesh, stiffness);
@@ -157,9 +166,16 @@ Goals VariationalProblem::goals(const Pose& pose) const {
                     binding_, rest());
 }
 
+// Springs as much stiffer as the stiffest part: the handles win also there.
+double VariationalProblem::spring_stiffness() const {
+    if (!guards_folds()) return 0;
+    const Eigen::VectorXd& stiffness = subject_->stiffness;
+    return fold_free_penalty * (stiffness.size() > 0 ? std::max(1.0, stiffness.maxCoeff()) : 1.0);
+}
+
 Objective VariationalProblem::objective(const Goals& goals, const Eigen::VectorXcd& x) const {
     Objective objective{
-        *subject_->energy, factors_->free, rows_, guards_folds() ? fold_free_penalty : 0, {}, factors_->sprung, {}};
+        *subject_->energy, factors_->free, rows_, spring_stiffness(), {}, factors_->sprung, {}};
     aim(objective, goals, x);
     return objective;
 }
@@ -175,7 +191,7 @@ void VariationalProblem::aim(Objective& objective, const Goals& goals, const Eig
         objective.conditions.push_back({mean, Complex(0, 1), goal.mean.imag()});
         if (goal.angle_rad) {
             const Complex ahead = std::polar(1.0, *goal.angle_rad);
-            objective.conditions.push_back({turn, Complex(0, 1) * ahead, 0});
+            objective.conditions.push_back({turn, Complex(0, 1) * ahead, 0, true});
             if (goal.scale) objective.conditions.push_back({turn, ahead, *goal.scale * hold.radius_px});
         } else if (goal.scale) {
             const Complex now = row_value(hold.turn, x);
@@ -205,7 +221,7 @@ bool VariationalProblem::scales_settled(const Goals& goals, const Eigen::VectorX
 
 const HessianFactory& VariationalProblem::factory() const {
     std::call_once(factors_->factory_made, [&] {
-        const VertexSprings springs{factors_->sprung, guards_folds() ? fold_free_penalty : 0};
+        const VertexSprings springs{factors_->sprung, spring_stiffness()};
         factors_->factory =
             std::make_unique<const HessianFactory>(*subject_->energy, factors_->free, factors_->grounds, springs);
     });
@@ -242,15 +258,15 @@ std::shared_ptr<ConstrainedMetric> VariationalProblem::adopted(const Constrained
     return own;
 }
 
-void VariationalProblem::choose(ConstrainedMetric& metric, const Objective& objective) const {
-    metric.choose(rows_, objective.conditions, leaves_rigid_freedom(objective));
+bool VariationalProblem::choose(ConstrainedMetric& metric, const Objective& objective) const {
+    return metric.choose(rows_, objective.conditions, leaves_rigid_freedom(objective));
 }
 
 // Whether some component is held in less than two places and at no angle.
 bool VariationalProblem::leaves_rigid_freedom(const Objective& objective) const {
     std::vector<int> holding = component_places_;
     for (const Condition& condition : objective.conditions) {
-        if (condition.row % 2 == 0) continue;
+        if (!condition.fixes_angle) continue;
         const auto h = static_cast<std::size_t>(condition.row / 2);
         ++holding[static_cast<std::size_t>(binding_.holds[h].component)];
     }

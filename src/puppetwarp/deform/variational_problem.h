@@ -53,7 +53,8 @@ public:
     std::shared_ptr<ConstrainedMetric> adopted(const ConstrainedMetric& metric, const VariationalProblem& other,
                                                const Objective& objective) const;
     //! Makes a metric good for other conditions.
-    void choose(ConstrainedMetric& metric, const Objective& objective) const;
+    //! \return as ConstrainedMetric::choose.
+    bool choose(ConstrainedMetric& metric, const Objective& objective) const;
 
 private:
     // What depends on the mesh, the method and the stiffness.
@@ -83,6 +84,7 @@ private:
     void take_hold_of_subject();
     std::shared_ptr<Factors> free_vertices() const;
     void prepare(Factors& factors) const;
+    double spring_stiffness() const;
     VertexSprings grounds_for(const std::vector<bool>& free) const;
     bool leaves_rigid_freedom(const Objective& objective) const;
     const HessianFactory& factory() const;

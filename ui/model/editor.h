@@ -61,6 +61,8 @@ public:
     void undo();
     void redo();
     void set_method(Method method);
+    //! Options of the method at hand. \param name  of the step, as the menu shows it.
+    void set_method_options(const std::string& name, const MethodOptions& options);
     void remove_pin(const std::string& id);
     void clear_pose();
     //! The pose that is shown and edited: the chosen one, else the one that the command would take.
@@ -106,10 +108,19 @@ private:
         std::uint64_t revision;
     };
 
-    void request(bool live);
-    void follow(PinTool::Change change);
+    // A shape that will say what belongs into the pose of the step that asked for it.
+    struct Awaited {
+        std::uint64_t revision;
+        History<Puppet>::Snapshot step;
+        std::string pose;
+    };
+    enum class Ask { what_is_rendered, live, keep_way };
+
+    void request(Ask ask);
+    void follow(PinTool::Change change, Ask when_settled);
+    void take_turns();
     void finish_opening(const std::shared_ptr<const Shape>& shape);
-    void change(const std::string& name, const std::function<void(Puppet&)>& how);
+    void change(const std::string& name, const std::function<void(Puppet&)>& how, Ask ask = Ask::what_is_rendered);
     std::filesystem::path document_folder() const;
 
     std::function<void()> wake_;
@@ -121,6 +132,7 @@ private:
     std::string chosen_pose_;
     Message message_;
     std::optional<Opening> opening_;
+    std::optional<Awaited> awaited_;
     std::uint64_t revision_ = 0;
     std::shared_ptr<const Shape> shape_;
     std::shared_ptr<const Shape> seen_;  // the last one that was taken from the worker

@@ -91,8 +91,10 @@ public:
     bool update();
     //! The newest shape; null before the first.
     const std::shared_ptr<const Shape>& shape() const { return shape_; }
+    //! `shape()` is one of the puppet as it stands; while a pin is dragged maybe not the last.
+    bool up_to_date() const { return shape_ && shape_->revision == revision_ && !opening_; }
     //! `shape()` is what the command would render of the puppet as it stands.
-    bool settled() const { return shape_ && shape_->revision == revision_ && !shape_->live && !opening_; }
+    bool settled() const { return up_to_date() && !shape_->live; }
     bool busy() const { return opening_ || !worker_->idle(); }
     //! Counts the documents that were opened.
     int document_number() const { return document_number_; }

@@ -200,9 +200,25 @@ InteractiveFrame ShapeMaker::settle(const ShapeRequest& request, Shape& shape, P
         dragged = advance(request.pose);
     } while (!dragged.converged && Clock::now() < end);
     shape.moved = last_moved_ = dragged.V;
+    const auto jump_px = [&](const InteractiveFrame& frame) {
+        return (frame.V - dragged.V).rowwise().norm().maxCoeff();
+    };
     shape.turns = solver_->turns();
     InteractiveFrame filed = solver_->restart(with_turns(request.pose, shape.turns), progress);
-    shape.jump_px = (filed.V - dragged.V).rowwise().norm().maxCoeff();
+    shape.jump_px = jump_px(filed);
+    if (shape.jump_px <= seen_px) return filed;
+
+    // Turns that do not lead to where the drag came from them are not worth keeping when it goes as well without.
+    std::map<std::string, double> none = shape.turns;
+    for (auto& [id, turn_rad] : none) turn_rad = 0;
+    InteractiveFrame plain = solver_->restart(with_turns(request.pose, none), progress);
+    if (jump_px(plain) <= shape.jump_px) {
+        shape.turns = std::move(none);
+        shape.jump_px = jump_px(plain);
+        filed = std::move(plain);
+    } else {
+        filed = solver_->restart(with_turns(request.pose, shape.turns), progress);
+    }
     if (shape.jump_px > seen_px)
         shape.warnings.push_back("The file cannot keep the way of this drag; shown is what it renders.");
     return filed;

@@ -52,7 +52,7 @@ struct Shape {
     //! `with_turns` puts into the pose. Of requests that are live or keep the way; empty where a method follows none.
     std::map<std::string, double> turns;
     double jump_px = 0;                 //!< of a request that keeps the way: how far the file's shape is from the last
-    std::vector<std::string> warnings;  //!< what a person should know of, one sentence each
+    std::vector<std::string> warnings;  //!< what a person should know of, a phrase each
     std::string error;                  //!< why the way ended before its end, one line; empty: it did not
 };
 

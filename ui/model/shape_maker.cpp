@@ -220,7 +220,7 @@ InteractiveFrame ShapeMaker::settle(const ShapeRequest& request, Shape& shape, P
         filed = solver_->restart(with_turns(request.pose, shape.turns), progress);
     }
     if (shape.jump_px > seen_px)
-        shape.warnings.push_back("The file cannot keep the way of this drag; shown is what it renders.");
+        shape.warnings.push_back("the file cannot keep the way of this drag, so what it renders is shown");
     return filed;
 }
 

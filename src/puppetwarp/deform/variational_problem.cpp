@@ -25,18 +25,22 @@ constexpr double laplacian_share = 0.2;
 constexpr double settled_scale = 1e-10;
 
 std::unique_ptr<const Energy> make_energy(const MethodOptions& options, const TriangleMesh& mesh,
-                                          const Eigen::VectorXd& stiffness, double size) {
+                                          const Eigen::VectorXd& stiffness) {
     switch (options.method) {
         case Method::fold_free: return make_symmetric_dirichlet(mesh, stiffness);
         case Method::smooth_arap:
-            return std::make_unique<SmoothArapEnergy>(mesh, stiffness,
-                                                      options.bending_length_px.value_or(bending_share * size));
+            return std::make_unique<SmoothArapEnergy>(
+                mesh, stiffness, options.bending_length_px.value_or(usual_bending_length_px(mesh)));
         default: break;
     }
     return make_arap_energy(options.arap_energy, mesh, stiffness);
 }
 
 }  // namespace
+
+double usual_bending_length_px(const TriangleMesh& mesh) {
+    return bending_share * bounding_diagonal(mesh.V);
+}
 
 bool is_variational(Method method) {
     return method == Method::arap || method == Method::smooth_arap || method == Method::fold_free;
@@ -51,7 +55,7 @@ VariationalProblem::Subject::Subject(const MethodOptions& method, const Triangle
       rest(complex_positions(mesh.V)),
       size(bounding_diagonal(mesh.V)),
       component(vertex_components(mesh)),
-      energy(make_energy(options, mesh, stiffness, size)) {}
+      energy(make_energy(options, mesh, stiffness)) {}
 
 VariationalProblem::VariationalProblem(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig)
     : rig_(rig), subject_(std::make_shared<const Subject>(options, mesh, triangle_stiffness(mesh, rig.stiffness))) {

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-
 namespace puppetwarp::ui {
 namespace {
 

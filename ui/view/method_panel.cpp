@@ -27,7 +27,7 @@ const char* about(Method method) {
         case Method::laplacian_rotated: return "Keeps details; they turn along.";
         case Method::laplacian_similarity: return "Details turn and grow along.";
         case Method::multiresolution: return "Details ride on a smooth base.";
-        case Method::arap: return "As rigid as possible, piece by piece.";
+        case Method::arap: return "As rigid as possible everywhere.";
         case Method::smooth_arap: return "Rigid limbs in smooth bends.";
         case Method::fold_free: return "Never folds, wherever pins go.";
         case Method::mls_affine: return "By near pins alone; may shear.";

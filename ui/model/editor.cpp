@@ -99,6 +99,7 @@ void Editor::finish_opening(const std::shared_ptr<const Shape>& shape) {
 
 bool Editor::save_as(const fs::path& path) {
     cancel();
+    take_turns();
     try {
         const auto snapshot = history_.snapshot();
         require_not_the_source(*snapshot, path);
@@ -115,6 +116,7 @@ bool Editor::save_as(const fs::path& path) {
 
 void Editor::export_picture(const fs::path& path) {
     if (!can_edit() || export_) return;
+    take_turns();
     message_ = {Message::Kind::info, "Exporting " + shown_name(path)};
     export_ = std::make_unique<BackgroundTask>(
         [puppet = history_.snapshot(), pose = pose(), path](Progress& progress) {

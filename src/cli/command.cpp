@@ -60,6 +60,7 @@ int run(int argc, const char* const* argv) {
         add_mesh_command(app, global, exit_code);
         add_deform_command(app, global, exit_code);
         add_diff_command(app, global, exit_code);
+        add_compare_command(app, global, exit_code);
         add_info_command(app, global, exit_code);
         app.footer("Example:\n  puppetwarp warp photo.jpg --pin 100,200 --pin 320,90:360,40 -o out.jpg");
         app.parse(argc, argv);

@@ -124,7 +124,7 @@ void add_deform_command(CLI::App& app, const GlobalOptions& global, int& exit_co
         ->type_name("OUT");
     deform->add_option("--pose", request->pose, "A pose of the puppet file (default: its first); rest: the rest pose")
         ->type_name("NAME");
-    deform->add_option("--method", request->method, "harmonic, biharmonic, arap (default: the puppet file's)")
+    deform->add_option("--method", request->method, method_list() + " (default: the puppet file's, else arap)")
         ->type_name("M");
     deform->add_option("--arap-energy", request->arap_energy, "elements (default), spokes, spokes-and-rims")
         ->type_name("E");

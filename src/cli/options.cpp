@@ -113,6 +113,12 @@ double parse_threshold(const std::string& text) {
     return value;
 }
 
+std::string method_list() {
+    std::string list;
+    for (const std::string& name : method_names()) list += (list.empty() ? "" : ", ") + name;
+    return list;
+}
+
 void add_pins(Puppet& puppet, Pose& pose, const std::vector<std::string>& pins) {
     if (!pins.empty() && pose.name == "rest") pose.name = "pins";
     int number = 0;

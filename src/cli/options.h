@@ -29,6 +29,9 @@ CanvasChoice parse_canvas(const std::string& text);
 //! A share of full scale: `0.02` or `4/255`. \throw InvalidInput  outside 0 to 1.
 double parse_threshold(const std::string& text);
 
+//! The names of all methods, for help texts.
+std::string method_list();
+
 //! Adds pins to a puppet's rig, and their targets to `pose`.
 void add_pins(Puppet& puppet, Pose& pose, const std::vector<std::string>& pins);
 

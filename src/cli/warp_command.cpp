@@ -115,7 +115,8 @@ void add_method_options(CLI::App& warp, WarpRequest& request) {
         ->allow_extra_args(false);
     warp.add_option("--pose", request.pose, "A pose of the puppet file (default: its first); rest: the rest pose")
         ->type_name("NAME");
-    warp.add_option("--method", request.method, "How the mesh follows: harmonic, biharmonic, arap (default)")
+    warp.add_option("--method", request.method,
+                    "How the mesh follows: " + method_list() + " (default: the puppet file's, else arap)")
         ->type_name("M");
     warp.add_option("--arap-energy", request.arap_energy, "elements (default), spokes, spokes-and-rims")
         ->type_name("E");

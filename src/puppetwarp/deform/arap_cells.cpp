@@ -168,7 +168,7 @@ void ArapCells::cell_hessian(int cell, const Eigen::VectorXcd& x, HessianKind ki
     const int count = 2 * (first_vertex_[static_cast<std::size_t>(cell) + 1] - first);
     // Im(conj(r) s x) as a row over (Re x, Im x).
     const auto entry = [&](int k) {
-        const Complex s = std::conj(r) * functional_[static_cast<std::size_t>(first + k / 2)];
+        const Complex s = std::conj(r) * functional_[static_cast<std::size_t>(first) + static_cast<std::size_t>(k / 2)];
         return k % 2 == 0 ? s.imag() : s.real();
     };
     for (int i = 0; i < count; ++i) {

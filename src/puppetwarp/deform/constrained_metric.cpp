@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <tuple>
 #include <utility>
 
 namespace puppetwarp {
@@ -17,12 +18,6 @@ ComplexRow turned(const ComplexRow& row, const Complex& direction) {
     ComplexRow result = row;
     for (auto& entry : result) entry.second *= std::conj(direction);
     return result;
-}
-
-double real_value(const ComplexRow& row, const Eigen::VectorXcd& x) {
-    double sum = 0;
-    for (const auto& [vertex, c] : row) sum += c.real() * x(vertex).real() - c.imag() * x(vertex).imag();
-    return sum;
 }
 
 }  // namespace
@@ -51,15 +46,20 @@ std::shared_ptr<ConstrainedMetric> ConstrainedMetric::with_rows(const std::vecto
     return metric;
 }
 
-const ConstrainedMetric::Response& ConstrainedMetric::response(int key, const ComplexRow& row) {
+ConstrainedMetric::SharedResponse ConstrainedMetric::response(int key, const ComplexRow& row) {
     const auto found = responses_.find(key);
     if (found != responses_.end()) return found->second;
     Eigen::VectorXcd load = Eigen::VectorXcd::Zero(vertices_);
     for (const auto& [vertex, c] : row) load(vertex) += std::conj(c);
-    Response response;
-    response.re = hessian_->inverse_times(load);
-    response.im = hessian_->inverse_times(Complex(0, 1) * load);
+    auto response = std::make_shared<Response>();
+    std::tie(response->re, response->im) = hessian_->inverse_times_both(load);
     return responses_.emplace(key, std::move(response)).first->second;
+}
+
+double ConstrainedMetric::Functional::of(const Eigen::VectorXcd& x) const {
+    double sum = 0;
+    for (const auto& [vertex, c] : row) sum += c.real() * x(vertex).real() - c.imag() * x(vertex).imag();
+    return sum;
 }
 
 // The values of conditions are no part of the system.
@@ -80,12 +80,8 @@ void ConstrainedMetric::choose(const std::vector<ComplexRow>& rows, const std::v
     const auto all = count + static_cast<Eigen::Index>(grounds);
     functionals_.clear();
     if (all == 0) return;
-    W_.resize(vertices_, all);
-    Eigen::Index column = 0;
     const auto add = [&](int key, const ComplexRow& row, const Complex& direction) {
-        const Response& r = response(key, row);
-        W_.col(column++) = direction.real() * r.re + direction.imag() * r.im;
-        functionals_.push_back(turned(row, direction));
+        functionals_.push_back({turned(row, direction), direction, response(key, row)});
     };
     for (const Condition& condition : conditions) {
         add(condition.row, rows[static_cast<std::size_t>(condition.row)], condition.direction);
@@ -95,9 +91,11 @@ void ConstrainedMetric::choose(const std::vector<ComplexRow>& rows, const std::v
     }
     Eigen::MatrixXd system(all, all);
     for (Eigen::Index j = 0; j < all; ++j) {
-        const Eigen::VectorXcd response = W_.col(j);
+        const Functional& column = functionals_[static_cast<std::size_t>(j)];
         for (Eigen::Index i = 0; i < all; ++i) {
-            system(i, j) = real_value(functionals_[static_cast<std::size_t>(i)], response);
+            const Functional& row = functionals_[static_cast<std::size_t>(i)];
+            system(i, j) = column.direction.real() * row.of(column.response->re) +
+                           column.direction.imag() * row.of(column.response->im);
         }
     }
     for (Eigen::Index i = 0; i < count && penalty_ > 0; ++i) system(i, i) += 1 / penalty_;
@@ -123,12 +121,17 @@ void ConstrainedMetric::bring_onto(const Eigen::VectorXd& missing, Eigen::Vector
     assert(missing.size() == 0 || penalty_ == 0);
     if (functionals_.empty()) return;
     Eigen::VectorXd off(static_cast<Eigen::Index>(functionals_.size()));
-    for (Eigen::Index i = 0; i < off.size(); ++i) off(i) = real_value(functionals_[static_cast<std::size_t>(i)], p);
+    for (Eigen::Index i = 0; i < off.size(); ++i) off(i) = functionals_[static_cast<std::size_t>(i)].of(p);
     off.head(missing.size()) -= missing;
     Eigen::VectorXd forces = factor_.solve(off);
     // Without this the compliance would let the conditions drift, a little in each step, along the forces on them.
     forces += factor_.solve(off - system_ * forces);
-    p -= W_ * forces;
+    for (Eigen::Index i = 0; i < off.size(); ++i) {
+        const Functional& functional = functionals_[static_cast<std::size_t>(i)];
+        const Complex force = forces(i) * functional.direction;
+        if (force.real() != 0) p -= force.real() * functional.response->re;
+        if (force.imag() != 0) p -= force.imag() * functional.response->im;
+    }
 }
 
 }  // namespace puppetwarp

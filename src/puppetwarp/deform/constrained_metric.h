@@ -56,21 +56,28 @@ private:
         Eigen::VectorXcd re;
         Eigen::VectorXcd im;
     };
+    using SharedResponse = std::shared_ptr<const Response>;
+    // Re(conj(direction) row(x)) as one row, and its response: direction.real() re + direction.imag() im.
+    struct Functional {
+        ComplexRow row;
+        std::complex<double> direction;
+        SharedResponse response;
+
+        double of(const Eigen::VectorXcd& x) const;
+    };
     void bring_onto(const Eigen::VectorXd& missing, Eigen::VectorXcd& p) const;
     bool same_as_chosen(const std::vector<Condition>& conditions, bool keep_grounds) const;
-    const Response& response(int key, const ComplexRow& row);
+    SharedResponse response(int key, const ComplexRow& row);
 
     std::shared_ptr<const FactoredHessian> hessian_;
     Eigen::Index vertices_;
     double penalty_;
     double ground_stiffness_;
     std::vector<ComplexRow> ground_rows_;
-    std::map<int, Response> responses_;  // by row; grounds are -1, -2, ...
+    std::map<int, SharedResponse> responses_;  // by row; grounds are -1, -2, ...
     std::optional<std::vector<Condition>> chosen_;
     bool grounds_kept_ = false;
-    // Of what was chosen: functionals of positions, their responses as columns, and the system between them.
-    std::vector<ComplexRow> functionals_;  // with their directions multiplied in: the real part counts
-    Eigen::MatrixXcd W_;
+    std::vector<Functional> functionals_;  // of what was chosen, then of the grounds
     Eigen::MatrixXd system_;
     Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
 };

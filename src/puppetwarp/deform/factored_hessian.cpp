@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cassert>
 #include <complex>
+#include <type_traits>
 #include <utility>
 
 namespace puppetwarp {
 
 namespace {
+
+using Complex = std::complex<double>;
 
 // Against null spaces that the handles leave, such as the rotation about a single pin: far below what any deformation
 // costs, far above round-off.
@@ -37,16 +40,34 @@ public:
         : free_(std::move(free)), factor_(std::move(factor)), exact_(exact) {}
 
     Eigen::VectorXcd inverse_times(const Eigen::VectorXcd& q) const override {
-        Eigen::VectorXcd b(static_cast<Eigen::Index>(free_.size()));
-        for (std::size_t i = 0; i < free_.size(); ++i) b(static_cast<Eigen::Index>(i)) = q(free_[i]);
+        Eigen::VectorXcd b = gathered(q);
         factor_.solve_in_place(b);
-        Eigen::VectorXcd result = Eigen::VectorXcd::Zero(q.size());
-        for (std::size_t i = 0; i < free_.size(); ++i) result(free_[i]) = b(static_cast<Eigen::Index>(i));
-        return result;
+        return scattered(b, q.size());
+    }
+    std::pair<Eigen::VectorXcd, Eigen::VectorXcd> inverse_times_both(const Eigen::VectorXcd& q) const override {
+        Eigen::VectorXcd b = gathered(q), turned = Complex(0, 1) * b;
+        if constexpr (std::is_same_v<Factor, PairedCholeskyFactor>) {
+            factor_.solve_in_place(b, turned);
+        } else {
+            factor_.solve_in_place(b);  // a real matrix
+            turned = Complex(0, 1) * b;
+        }
+        return {scattered(b, q.size()), scattered(turned, q.size())};
     }
     bool exact() const override { return exact_; }
 
 private:
+    Eigen::VectorXcd gathered(const Eigen::VectorXcd& q) const {
+        Eigen::VectorXcd b(static_cast<Eigen::Index>(free_.size()));
+        for (std::size_t i = 0; i < free_.size(); ++i) b(static_cast<Eigen::Index>(i)) = q(free_[i]);
+        return b;
+    }
+    Eigen::VectorXcd scattered(const Eigen::VectorXcd& b, Eigen::Index vertices) const {
+        Eigen::VectorXcd result = Eigen::VectorXcd::Zero(vertices);
+        for (std::size_t i = 0; i < free_.size(); ++i) result(free_[i]) = b(static_cast<Eigen::Index>(i));
+        return result;
+    }
+
     std::vector<int> free_;
     Factor factor_;
     bool exact_;

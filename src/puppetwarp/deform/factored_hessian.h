@@ -6,6 +6,7 @@
 #include <puppetwarp/solve/paired_cholesky.h>
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace puppetwarp {
@@ -29,6 +30,8 @@ public:
     virtual Eigen::VectorXcd inverse_times(const Eigen::VectorXcd& q) const = 0;
     //! Whether it is of the true second derivative at some x.
     virtual bool exact() const = 0;
+    //! The inverse times q and times i q, at about the price of one.
+    virtual std::pair<Eigen::VectorXcd, Eigen::VectorXcd> inverse_times_both(const Eigen::VectorXcd& q) const = 0;
 };
 
 //! The second derivatives of one energy at any x: pattern, order of elimination and factors. Immutable, safe to share

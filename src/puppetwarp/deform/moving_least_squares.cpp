@@ -218,7 +218,7 @@ double MovingLeastSquaresDeformer::largest_error(const std::vector<Moved>& moved
 }
 
 std::vector<std::string> MovingLeastSquaresDeformer::warnings(const Pose& pose) const {
-    std::vector<std::string> found;
+    std::vector<std::string> found = binding_.warnings;
     if (method_ != Method::mls_rigid) return found;
     for (const Handle& handle : rig_.handles) {
         const auto target = pose.handles.find(handle.id);
@@ -243,6 +243,7 @@ Deformation MovingLeastSquaresDeformer::deform(const Pose& pose, const Eigen::Ma
     double energy = 0;
     for (Eigen::Index v = 0; v < rest_.size(); ++v) {
         const auto i = static_cast<std::size_t>(v);
+        if (binding_.loose[i]) continue;
         if (control_[i] >= 0) {
             x(v) = targets.maps[static_cast<std::size_t>(control_[i])](rest_(v));
             continue;

@@ -9,8 +9,9 @@ namespace puppetwarp {
 
 //! `mls-affine`, `mls-similarity`, `mls-rigid`: at each vertex the affine map, the similarity or the rigid motion that
 //! fits all handles best, weighted by 1 / d^2, in closed form.   Schaefer et al. 2006.
-//! A field over the plane, evaluated at the vertices: no mesh, no energy of it, nothing of the shape. Loose parts move
-//! with the field. Points are interpolated at their own place, not in the mean over their disc.
+//! A field over the plane, evaluated at the vertices: no mesh, no energy of it, nothing of the shape; only parts that
+//! no handle holds stay, as in every method. Points are interpolated at their own place, not in the mean over their
+//! disc.
 //! - A bone is a segment, by the integrals over it; it weighs as points a default disc radius apart. A region is the
 //!   segments of its outline, and what lies inside moves by its map. Both are interpolated where the map's kind can.
 //! - A point's angle, scale 1 unless given, is a wish for the map's f_z with the weight of the point times its

@@ -24,6 +24,11 @@ double largest_singular_value(const Eigen::Matrix2d& J) {
     return (std::hypot(J(0, 0) + J(1, 1), J(1, 0) - J(0, 1)) + std::hypot(J(0, 0) - J(1, 1), J(1, 0) + J(0, 1))) / 2;
 }
 
+// How triangle t of the rest mesh is mapped.
+Eigen::Matrix2d map_of(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, Eigen::Index t) {
+    return edges_of(moved, rest.F, t) * edges_of(rest.V, rest.F, t).inverse();
+}
+
 }  // namespace
 
 Distortion measure_distortion(const TriangleMesh& rest, const Eigen::MatrixX2d& moved) {
@@ -31,7 +36,7 @@ Distortion measure_distortion(const TriangleMesh& rest, const Eigen::MatrixX2d& 
     Distortion distortion;
     double stretch = 0;
     for (Eigen::Index t = 0; t < rest.F.rows(); ++t) {
-        const Eigen::Matrix2d J = edges_of(moved, rest.F, t) * edges_of(rest.V, rest.F, t).inverse();
+        const Eigen::Matrix2d J = map_of(rest, moved, t);
         const double area_ratio = J.determinant();
         if (!(area_ratio > 0)) ++distortion.flipped_triangles;
         stretch = std::max(stretch, largest_singular_value(J));
@@ -41,6 +46,17 @@ Distortion measure_distortion(const TriangleMesh& rest, const Eigen::MatrixX2d& 
     }
     if (rest.F.rows() > 0) distortion.max_stretch = stretch;
     return distortion;
+}
+
+Eigen::MatrixX2d principal_stretches(const TriangleMesh& rest, const Eigen::MatrixX2d& moved) {
+    assert(moved.rows() == rest.V.rows());
+    Eigen::MatrixX2d stretches(rest.F.rows(), 2);
+    for (Eigen::Index t = 0; t < rest.F.rows(); ++t) {
+        const Eigen::Matrix2d J = map_of(rest, moved, t);
+        const double larger = largest_singular_value(J);
+        stretches.row(t) << larger, larger > 0 ? J.determinant() / larger : 0;
+    }
+    return stretches;
 }
 
 }  // namespace puppetwarp

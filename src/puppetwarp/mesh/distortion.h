@@ -14,4 +14,10 @@ struct Distortion {
 //! \param moved  #V x 2 deformed positions.
 Distortion measure_distortion(const TriangleMesh& rest, const Eigen::MatrixX2d& moved);
 
+//! Singular values of each triangle's map.
+//! \param moved  #V x 2 deformed positions.
+//! \return #F x 2: the larger, at least 0, and the smaller, below 0 where the triangle is folded over. Their product is
+//!         moved / rest area.
+Eigen::MatrixX2d principal_stretches(const TriangleMesh& rest, const Eigen::MatrixX2d& moved);
+
 }  // namespace puppetwarp

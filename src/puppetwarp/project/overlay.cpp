@@ -21,8 +21,9 @@ constexpr std::array<double, 3> rim_colour{0.0, 0.0, 0.0};
 // Coverage of antialiased strokes, 8 bits: drawn once, then blended into pictures of any depth.
 class Strokes {
 public:
-    explicit Strokes(const Canvas& canvas)
-        : canvas_(canvas), coverage_(cv::Mat::zeros(canvas.height, canvas.width, CV_8UC1)) {}
+    //! \param picture  that is drawn over: it shows `canvas` at `scale`.
+    Strokes(const Image& picture, const Canvas& canvas, double scale)
+        : canvas_(canvas), scale_(scale), coverage_(cv::Mat::zeros(picture.height(), picture.width(), CV_8UC1)) {}
 
     void line(const Point& a, const Point& b, int thickness) {
         cv::Point2l p = fixed(a), q = fixed(b);
@@ -30,8 +31,8 @@ public:
         const std::int64_t margin = std::int64_t{64} << fraction_bits;
         p += cv::Point2l(margin, margin);
         q += cv::Point2l(margin, margin);
-        const cv::Size2l room((std::int64_t{canvas_.width} << fraction_bits) + 2 * margin,
-                              (std::int64_t{canvas_.height} << fraction_bits) + 2 * margin);
+        const cv::Size2l room((std::int64_t{coverage_.cols} << fraction_bits) + 2 * margin,
+                              (std::int64_t{coverage_.rows} << fraction_bits) + 2 * margin);
         if (!cv::clipLine(room, p, q)) return;
         cv::line(coverage_, narrow(p, margin), narrow(q, margin), cv::Scalar(255), thickness, cv::LINE_AA,
                  fraction_bits);
@@ -52,7 +53,7 @@ private:
     cv::Point2l fixed(const Point& p) const {
         const double limit = 1e12;
         const auto coordinate = [&](double value, int origin) {
-            return std::llround(std::clamp((value - origin - 0.5) * (1 << fraction_bits), -limit, limit));
+            return std::llround(std::clamp(((value - origin) * scale_ - 0.5) * (1 << fraction_bits), -limit, limit));
         };
         return {coordinate(p.x(), canvas_.x), coordinate(p.y(), canvas_.y)};
     }
@@ -61,6 +62,7 @@ private:
     }
 
     Canvas canvas_;
+    double scale_;
     cv::Mat coverage_;
 };
 
@@ -104,8 +106,8 @@ void blend(Image& picture, const Strokes& strokes, const std::array<double, 3>& 
 }
 
 // Sizes of strokes grow with the picture, so that they stay visible when a large one is looked at whole.
-double stroke_unit(const Canvas& canvas) {
-    return std::max(1.0, std::hypot(canvas.width, canvas.height) / 1200.0);
+double stroke_unit(const Image& picture) {
+    return std::max(1.0, std::hypot(picture.width(), picture.height()) / 1200.0);
 }
 
 // The points a handle shows in a pose: where it is dragged, else where it rests.
@@ -140,16 +142,16 @@ void draw_mesh(Image& picture, const Eigen::MatrixX2d& positions, const Eigen::M
     for (Eigen::Index t = 0; t < F.rows(); ++t) {
         for (int k = 0; k < 3; ++k) edges.insert(std::minmax({F(t, k), F(t, (k + 1) % 3)}));
     }
-    Strokes strokes(canvas);
-    const int thickness = static_cast<int>(std::lround(stroke_unit(canvas)));
+    Strokes strokes(picture, canvas, 1);
+    const int thickness = static_cast<int>(std::lround(stroke_unit(picture)));
     for (const auto& [a, b] : edges) strokes.line(positions.row(a), positions.row(b), thickness);
     blend(picture, strokes, mesh_colour);
 }
 
-void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas& canvas) {
-    const double unit = stroke_unit(canvas);
+void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas& canvas, double scale) {
+    const double unit = stroke_unit(picture);
     const HandlePose at_rest;
-    Strokes rims(canvas), bodies(canvas);
+    Strokes rims(picture, canvas, scale), bodies(picture, canvas, scale);
     const std::vector<AffineMap> maps = handle_maps(rig, pose);
     for (std::size_t h = 0; h < rig.handles.size(); ++h) {
         const Handle& handle = rig.handles[h];

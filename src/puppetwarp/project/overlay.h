@@ -13,6 +13,7 @@ namespace puppetwarp {
 void draw_mesh(Image& picture, const Eigen::MatrixX2d& positions, const Eigen::MatrixX3i& F, const Canvas& canvas);
 
 //! Draws points, bones, regions and cages where the pose puts them.
-void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas& canvas);
+//! \param scale  pixels of the picture for one of image space, above 0; the picture's upper left corner is the canvas'.
+void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas& canvas, double scale = 1);
 
 }  // namespace puppetwarp

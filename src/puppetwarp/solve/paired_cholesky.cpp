@@ -28,41 +28,64 @@ Eigen::SparseMatrix<double> pair_pattern(const Eigen::SparseMatrix<double>& lowe
 
 }  // namespace
 
-void PairedCholeskyFactor::solve_in_place(Eigen::VectorXcd& b) const {
+// Forward and backward substitution. The numbers of all right-hand sides at a pair lie together.
+template <std::size_t count>
+void PairedCholeskyFactor::substitute(const std::array<Eigen::VectorXcd*, count>& sides) const {
+    using Pairs = std::array<std::array<double, 2>, count>;
     const std::size_t n = order_.size();
-    assert(static_cast<std::size_t>(b.size()) == n);
-    std::vector<double> y(2 * n);
+    std::vector<Pairs> y(n);
     for (std::size_t j = 0; j < n; ++j) {
-        y[2 * j] = b(order_[j]).real();
-        y[2 * j + 1] = b(order_[j]).imag();
+        for (std::size_t s = 0; s < count; ++s)
+            y[j][s] = {(*sides[s])(order_[j]).real(), (*sides[s])(order_[j]).imag()};
     }
     for (std::size_t j = 0; j < n; ++j) {
-        const double first = y[2 * j] * diagonal_[3 * j];
-        const double second = (y[2 * j + 1] - diagonal_[3 * j + 1] * first) * diagonal_[3 * j + 2];
-        y[2 * j] = first;
-        y[2 * j + 1] = second;
+        Pairs& own = y[j];
+        for (std::size_t s = 0; s < count; ++s) {
+            own[s][0] *= diagonal_[3 * j];
+            own[s][1] = (own[s][1] - diagonal_[3 * j + 1] * own[s][0]) * diagonal_[3 * j + 2];
+        }
+        const Pairs x = own;
         for (std::size_t k = first_[j]; k < first_[j + 1]; ++k) {
             const float* m = blocks_[k].at;
-            double* to = &y[2 * static_cast<std::size_t>(rows_[k])];
-            to[0] -= m[0] * first + m[2] * second;
-            to[1] -= m[1] * first + m[3] * second;
+            Pairs& to = y[static_cast<std::size_t>(rows_[k])];
+            for (std::size_t s = 0; s < count; ++s) {
+                to[s][0] -= m[0] * x[s][0] + m[2] * x[s][1];
+                to[s][1] -= m[1] * x[s][0] + m[3] * x[s][1];
+            }
         }
     }
     for (std::size_t j = n; j-- > 0;) {
-        double first0 = 0, first1 = 0, second0 = 0, second1 = 0;
+        // Four sums a side, so that no addition waits for the one before.
+        std::array<std::array<double, 4>, count> sum{};
         for (std::size_t k = first_[j]; k < first_[j + 1]; ++k) {
             const float* m = blocks_[k].at;
-            const double* from = &y[2 * static_cast<std::size_t>(rows_[k])];
-            first0 += m[0] * from[0];
-            first1 += m[1] * from[1];
-            second0 += m[2] * from[0];
-            second1 += m[3] * from[1];
+            const Pairs& from = y[static_cast<std::size_t>(rows_[k])];
+            for (std::size_t s = 0; s < count; ++s) {
+                sum[s][0] += m[0] * from[s][0];
+                sum[s][1] += m[1] * from[s][1];
+                sum[s][2] += m[2] * from[s][0];
+                sum[s][3] += m[3] * from[s][1];
+            }
         }
-        const double second = (y[2 * j + 1] - (second0 + second1)) * diagonal_[3 * j + 2];
-        y[2 * j] = (y[2 * j] - (first0 + first1) - diagonal_[3 * j + 1] * second) * diagonal_[3 * j];
-        y[2 * j + 1] = second;
+        for (std::size_t s = 0; s < count; ++s) {
+            std::array<double, 2>& own = y[j][s];
+            own[1] = (own[1] - (sum[s][2] + sum[s][3])) * diagonal_[3 * j + 2];
+            own[0] = (own[0] - (sum[s][0] + sum[s][1]) - diagonal_[3 * j + 1] * own[1]) * diagonal_[3 * j];
+        }
     }
-    for (std::size_t j = 0; j < n; ++j) b(order_[j]) = {y[2 * j], y[2 * j + 1]};
+    for (std::size_t j = 0; j < n; ++j) {
+        for (std::size_t s = 0; s < count; ++s) (*sides[s])(order_[j]) = {y[j][s][0], y[j][s][1]};
+    }
+}
+
+void PairedCholeskyFactor::solve_in_place(Eigen::VectorXcd& b) const {
+    assert(static_cast<std::size_t>(b.size()) == order_.size());
+    substitute<1>({&b});
+}
+
+void PairedCholeskyFactor::solve_in_place(Eigen::VectorXcd& b, Eigen::VectorXcd& c) const {
+    assert(static_cast<std::size_t>(b.size()) == order_.size() && b.size() == c.size());
+    substitute<2>({&b, &c});
 }
 
 PairedCholeskyPattern::PairedCholeskyPattern(const Eigen::SparseMatrix<double>& lower)

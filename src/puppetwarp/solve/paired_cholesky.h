@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -22,9 +23,14 @@ class PairedCholeskyFactor {
 public:
     //! Replaces b (one complex number a pair) by A^-1 b, to about six digits.
     void solve_in_place(Eigen::VectorXcd& b) const;
+    //! The same for two right-hand sides in one pass over the factor.
+    void solve_in_place(Eigen::VectorXcd& b, Eigen::VectorXcd& c) const;
 
 private:
     friend class PairedCholeskyPattern;
+    template <std::size_t count>
+    void substitute(const std::array<Eigen::VectorXcd*, count>& sides) const;
+
     struct Block {
         float at[4];  // column by column
     };

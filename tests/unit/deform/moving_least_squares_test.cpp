@@ -156,6 +156,12 @@ Derivatives derivatives_at(Method method, const Point& at, const Rig& rig, const
     const auto first = static_cast<int>(mesh.V.rows());
     mesh.V.conservativeResize(first + 4, 2);
     mesh.V.bottomRows(4) << at.x() + h, at.y(), at.x() - h, at.y(), at.x(), at.y() + h, at.x(), at.y() - h;
+    // Thin triangles hang them on the grid: what is no part of the mesh that is held would stay.
+    mesh.F.conservativeResize(mesh.F.rows() + 2, 3);
+    mesh.F.bottomRows(2) << first, first + 2, 0, first + 3, first + 1, 0;
+    for (Eigen::Index t = mesh.F.rows() - 2; t < mesh.F.rows(); ++t) {
+        if (double_areas(mesh.V, mesh.F)(t) < 0) std::swap(mesh.F(t, 0), mesh.F(t, 1));
+    }
     const Eigen::VectorXcd x = complex_positions(deformed(method, mesh, rig, pose).V);
     const Complex dx = (x(first) - x(first + 1)) / (2 * h), dy = (x(first + 2) - x(first + 3)) / (2 * h);
     return {0.5 * (dx - Complex(0, 1) * dy), 0.5 * (dx + Complex(0, 1) * dy)};

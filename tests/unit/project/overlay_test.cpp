@@ -47,6 +47,16 @@ TEST(Overlay, CanvasMovesTheDrawing) {
     EXPECT_EQ(picture.pixels.at<cv::Vec3b>(20, 30), cv::Vec3b(128, 128, 128));
 }
 
+TEST(Overlay, ScaleMovesTheDrawingButKeepsItsMarks) {
+    Rig rig;
+    rig.handles = {{"a", PointHandle{{30, 20}, {}}}};
+    Image large = grey_picture(CV_8UC1), same = grey_picture(CV_8UC1);
+    draw_handles(large, rig, {}, {10, 5, 40, 30}, 2);  // (30, 20) is at (40, 30) of the picture
+    rig.handles = {{"a", PointHandle{{40, 30}, {}}}};
+    draw_handles(same, rig, {}, {0, 0, 80, 60});
+    EXPECT_EQ(cv::norm(large.pixels, same.pixels, cv::NORM_INF), 0);
+}
+
 TEST(Overlay, BonesFollowTheirParentsAndRegionsTheirCentroids) {
     Rig rig;
     rig.handles = {{"upper", BoneHandle{{20.5, 30.5}, {40.5, 30.5}, ""}},

@@ -1,4 +1,5 @@
 #include "reference/test_meshes.h"
+#include "support/message_of.h"
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/rig/binding.h>
@@ -7,7 +8,6 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <functional>
 
 namespace puppetwarp {
 namespace {
@@ -15,15 +15,6 @@ namespace {
 using reference::rig_of_points;
 using testing::AllOf;
 using testing::HasSubstr;
-
-std::string message_of(const std::function<void()>& work) {
-    try {
-        work();
-    } catch (const InvalidInput& error) {
-        return error.what();
-    }
-    return "";
-}
 
 TEST(Binding, MeanIsAverageOverTheDiscAndTurnIsThatOfASimilarity) {
     const TriangleMesh mesh = reference::grid(60, 60, 100, 100, 0.25);

@@ -1,5 +1,6 @@
 // What bones, regions, vertices and affine points hold of a mesh, and where a pose sends it.
 #include "reference/test_meshes.h"
+#include "support/message_of.h"
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/rig/binding.h>
@@ -18,15 +19,6 @@ using reference::rig_of_vertices;
 using testing::AllOf;
 using testing::HasSubstr;
 using Complex = std::complex<double>;
-
-std::string message_of(const std::function<void()>& work) {
-    try {
-        work();
-    } catch (const InvalidInput& error) {
-        return error.what();
-    }
-    return "";
-}
 
 Complex complex_of(const Point& p) {
     return {p.x(), p.y()};

@@ -1,3 +1,5 @@
+#include "support/message_of.h"
+
 #include <puppetwarp/rig/rig.h>
 
 #include <puppetwarp/base/errors.h>
@@ -12,15 +14,6 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-
-std::string message_of(const std::function<void()>& work) {
-    try {
-        work();
-    } catch (const InvalidInput& error) {
-        return error.what();
-    }
-    return "";
-}
 
 Rig rich_rig() {
     Rig rig;

@@ -2,8 +2,8 @@
 
 #include <puppetwarp/mesh/operators.h>
 #include <puppetwarp/solve/cholesky.h>
-#include <puppetwarp/solve/constraint_space.h>
 #include <puppetwarp/solve/grounded_inverse.h>
+#include <puppetwarp/solve/paired_cholesky.h>
 
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
@@ -77,33 +77,52 @@ TEST(GroundedInverse, InvertsOnEachComponent) {
     EXPECT_LT((L * x - r).norm(), 1e-11 * r.norm());
 }
 
-TEST(ConstraintSpace, ProjectsAndStepsWithDependentRows) {
-    ConstraintSpace::Rows C(4, 6);
-    const std::vector<Eigen::Triplet<double>> entries{{0, 0, 1.0}, {0, 1, 2.0}, {1, 2, 1.0}, {2, 0, 2.0},
-                                                      {2, 1, 4.0}, {3, 4, 1.0}, {3, 5, -1.0}};
-    C.setFromTriplets(entries.begin(), entries.end());
-    const ConstraintSpace space(C);
-    Eigen::VectorXd x(6);
-    x << 1, 2, 3, 4, 5, 6;
-    Eigen::VectorXd inside = x;
-    space.project(inside);
-    EXPECT_LT((C * inside).norm(), 1e-14);
-    // The nearest one: the difference is orthogonal to the null space.
-    EXPECT_NEAR((x - inside).dot(inside), 0, 1e-12);
-    EXPECT_EQ(inside(3), 4);
-
-    Eigen::VectorXd d(4);
-    d << 3, 7, 6, -1;  // row 2 is twice row 0, and so is its value
-    const Eigen::VectorXd y = x + space.step_onto(x, d);
-    EXPECT_LT((C * y - d).norm(), 1e-13);
+// Blocks of a mesh's stiffness with coupled parts: random, symmetric, made definite by a heavy diagonal.
+Eigen::SparseMatrix<double> paired_matrix(const TriangleMesh& mesh, double diagonal) {
+    const SparseMatrix L = cotangent_stiffness(mesh);
+    std::mt19937 random(3);
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int column = 0; column < L.outerSize(); ++column) {
+        for (SparseMatrix::InnerIterator it(L, column); it; ++it) {
+            const auto row = static_cast<int>(it.row());
+            if (row < column) continue;
+            for (int k = 0; k < 4; ++k) {
+                const int i = 2 * row + k % 2, j = 2 * column + k / 2;
+                if (i < j) continue;
+                const double value = static_cast<double>(random()) / 4294967296.0 - 0.5;
+                entries.emplace_back(i, j, i == j ? diagonal + value : value);
+            }
+        }
+    }
+    Eigen::SparseMatrix<double> lower(2 * L.rows(), 2 * L.rows());
+    lower.setFromTriplets(entries.begin(), entries.end());
+    return lower;
 }
 
-TEST(ConstraintSpace, OfNoRowsChangesNothing) {
-    const ConstraintSpace space(ConstraintSpace::Rows(0, 3));
-    Eigen::VectorXd x = Eigen::Vector3d(1, 2, 3);
-    space.project(x);
-    EXPECT_EQ(x, Eigen::VectorXd(Eigen::Vector3d(1, 2, 3)));
-    EXPECT_EQ(space.step_onto(x, Eigen::VectorXd()).norm(), 0);
+TEST(PairedCholesky, SolvesToSinglePrecision) {
+    const Eigen::SparseMatrix<double> lower = paired_matrix(reference::grid(12, 9, 12, 9, 0.2), 8);
+    const auto factor = PairedCholeskyPattern(lower).factorise(lower);
+    ASSERT_TRUE(factor);
+    Eigen::VectorXd b(lower.rows());
+    for (Eigen::Index k = 0; k < b.size(); ++k) b(k) = std::sin(3.0 * static_cast<double>(k));
+    Eigen::VectorXcd x(b.size() / 2);
+    for (Eigen::Index v = 0; v < x.size(); ++v) x(v) = {b(2 * v), b(2 * v + 1)};
+    Eigen::VectorXcd again = x, other = Eigen::VectorXcd::Ones(x.size()), alone = other;
+    factor->solve_in_place(x);
+    factor->solve_in_place(again, other);
+    factor->solve_in_place(alone);
+    EXPECT_EQ(again, x);
+    EXPECT_EQ(other, alone);
+    const Eigen::VectorXd expected = Eigen::MatrixXd(lower).selfadjointView<Eigen::Lower>().llt().solve(b);
+    for (Eigen::Index v = 0; v < x.size(); ++v) {
+        EXPECT_NEAR(x(v).real(), expected(2 * v), 1e-6 * expected.norm());
+        EXPECT_NEAR(x(v).imag(), expected(2 * v + 1), 1e-6 * expected.norm());
+    }
+}
+
+TEST(PairedCholesky, KnowsWhatIsNotPositiveDefinite) {
+    const Eigen::SparseMatrix<double> lower = paired_matrix(reference::grid(4, 4, 4, 4), 0.1);
+    EXPECT_FALSE(PairedCholeskyPattern(lower).factorise(lower));
 }
 
 }  // namespace

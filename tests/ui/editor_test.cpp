@@ -1,6 +1,5 @@
-#include "model/editor.h"
-
 #include "support/run_command.h"
+#include "ui/driven_model.h"
 
 #include <puppetwarp/image/read.h>
 #include <puppetwarp/image/write.h>
@@ -9,19 +8,13 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include <chrono>
-#include <condition_variable>
-#include <mutex>
-
 namespace puppetwarp::ui {
 namespace {
 
 using tests::TemporaryFolder;
 
-constexpr double image_px_per_point = 1;
-
-// The editor on a picture of stripes, with a main loop that waits for its threads.
-class EditorTest : public testing::Test {
+// The editor on a picture of stripes.
+class EditorTest : public DrivenModel {
 protected:
     void SetUp() override {
         Image stripes;
@@ -33,36 +26,6 @@ protected:
         write_image(stripes, picture);
     }
 
-    void run_until(const std::function<bool()>& done) {
-        const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-        while (true) {
-            editor.update();
-            if (done()) return;
-            ASSERT_LT(std::chrono::steady_clock::now(), deadline) << editor.message().text;
-            std::unique_lock lock(mutex);
-            woken.wait_for(lock, std::chrono::milliseconds(20));
-        }
-    }
-    void settle() {
-        run_until([this] { return editor.settled(); });
-    }
-    void open(const std::filesystem::path& path) {
-        editor.open(path);
-        run_until([this] { return !editor.opening(); });
-    }
-    void click(const Point& at) {
-        editor.press(at, image_px_per_point);
-        editor.release();
-        settle();
-    }
-    void drag(const Point& from, const Point& to) {
-        editor.press(from, image_px_per_point);
-        for (int i = 1; i <= 10; ++i) {
-            editor.move(from + (to - from) * i / 10);
-            editor.update();
-        }
-        editor.release();
-    }
     Rendered rendered(const Puppet& puppet, const Pose& pose) const {
         Progress progress;
         return render(puppet, pose, {}, progress);
@@ -70,9 +33,6 @@ protected:
 
     TemporaryFolder folder;
     const std::string picture = folder / "stripes.png";
-    std::mutex mutex;
-    std::condition_variable woken;
-    Editor editor{4096, [this] { woken.notify_all(); }};  // last: its threads end first
 };
 
 TEST_F(EditorTest, APictureOpensWithATriangulationAndNothingToSave) {

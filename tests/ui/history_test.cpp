@@ -88,6 +88,30 @@ TEST(HistoryTest, ASavedStepThatWasReplacedStaysModified) {
     EXPECT_TRUE(history.modified());
 }
 
+TEST(HistoryTest, AStepCanBeAmendedWhereverOneStands) {
+    History<std::string> history("a");
+    set(history, "b");
+    const auto step = history.snapshot();
+    set(history, "c");
+    history.mark_saved(history.snapshot());
+    EXPECT_TRUE(history.amend(step, "b and more"));
+    EXPECT_EQ(history.current(), "c");
+    EXPECT_FALSE(history.modified());
+    EXPECT_FALSE(history.amend(step, "b again")) << "what was replaced is gone";
+    history.undo();
+    EXPECT_EQ(history.current(), "b and more");
+    EXPECT_EQ(history.undo_name(), "set b");
+    EXPECT_TRUE(history.can_redo());
+}
+
+TEST(HistoryTest, ASavedStepThatWasAmendedIsModified) {
+    History<std::string> history("a");
+    set(history, "b");
+    history.mark_saved(history.snapshot());
+    history.amend(history.snapshot(), "b and more");
+    EXPECT_TRUE(history.modified());
+}
+
 TEST(HistoryTest, SnapshotsOutliveTheHistory) {
     std::shared_ptr<const std::string> kept;
     {

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 namespace puppetwarp::ui {
 namespace {
 
@@ -154,6 +156,44 @@ TEST(PuppetEditsTest, MovingAPinKeepsWhatElseThePoseSaysOfIt) {
     EXPECT_EQ(puppet.poses[0].time_s, 2);
     clear_pose(puppet, "pose");
     EXPECT_TRUE(puppet.poses[0].handles.empty());
+}
+
+TEST_F(PinToolTest, TheTurnsOfADragArePartOfItsStep) {
+    set_pin({10, 20});
+    press({10, 20});
+    tool.move({30, 40});
+    tool.release({{"pin1", 2 * std::numbers::pi}});
+    const auto turn = [&] { return pose_or_rest(history.current(), "wave").handles["pin1"].turn_rad; };
+    EXPECT_EQ(turn(), 2 * std::numbers::pi);
+    history.undo();
+    EXPECT_EQ(turn(), std::nullopt);
+    EXPECT_EQ(target("pin1"), Point(10, 20));
+}
+
+TEST(PuppetEditsTest, TurnsAreToldOfAllFreePointsWhenOneWentFar) {
+    constexpr double degree = std::numbers::pi / 180;
+    Pose pose{"pose", 0, {}};
+    pose.handles["fixed"].rotate_rad = 1;
+    pose.handles["moved"].to = Point(1, 2);
+    const Pose far = with_turns(pose, {{"fixed", 5}, {"moved", 31.4 * degree}, {"still", -0.6 * degree}});
+    EXPECT_DOUBLE_EQ(*far.handles.at("moved").turn_rad, 31 * degree);
+    EXPECT_DOUBLE_EQ(*far.handles.at("still").turn_rad, -degree);
+    EXPECT_FALSE(far.handles.at("fixed").turn_rad);
+    const Pose near = with_turns(far, {{"fixed", 5}, {"moved", 29 * degree}, {"still", 0}});
+    EXPECT_FALSE(near.handles.at("moved").turn_rad);
+    EXPECT_EQ(near.handles.size(), 2u) << "of what stands still there is nothing left to say";
+    EXPECT_EQ(with_turns(far, {}).handles.at("moved").turn_rad, far.handles.at("moved").turn_rad)
+        << "a method that follows no turns knows nothing better";
+}
+
+TEST(PuppetEditsTest, APoseIsMadeForTurnsOnlyWhenThereAreSome) {
+    Puppet puppet;
+    add_pin(puppet, "pose", {1, 1}, {1, 1});
+    keep_turns(puppet, "pose", {{"pin1", 0.1}});
+    EXPECT_TRUE(puppet.poses.empty());
+    keep_turns(puppet, "pose", {{"pin1", 1}});
+    ASSERT_EQ(puppet.poses.size(), 1u);
+    EXPECT_TRUE(puppet.poses[0].handles.at("pin1").turn_rad);
 }
 
 }  // namespace

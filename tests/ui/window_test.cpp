@@ -154,6 +154,41 @@ TEST_F(WindowTest, SaysWhatIsWrongAndGoesOn) {
     editor.wait_for({"dialog=none", "document=1", "settled=1"});
 }
 
+TEST_F(WindowTest, ADraggedPinSettlesWhereTheCommandPutsIt) {
+    for (const std::string method : {"smooth-arap", "fold-free"}) {
+        Puppet puppet = read_puppet(fs::path(PUPPETWARP_SOURCE_DIR) / "images" / "gingerbread.puppet.json");
+        puppet.poses.clear();
+        puppet.method.method = method_from_name(method);
+        puppet.image = picture;
+        const fs::path file = folder / (method + ".puppet.json");
+        write_puppet(puppet, file);
+        const Point hand = std::get<PointHandle>(find_handle(puppet.rig, "right hand")->shape).at;
+
+        DrivenEditor editor(*display, folder.path(), {file});
+        editor.wait_for({"document=1", "settled=1", "trouble=0", "method=" + method});
+        std::vector<std::string> words = editor.to_image(hand);
+        words.insert(words.end(), {"mousedown", "1"});
+        editor.xdotool(words);
+        for (int i = 1; i <= 8; ++i) editor.xdotool(editor.to_image(hand + Point(-50, -35) * i));
+        // The button is held still: the picture goes on until it has settled.
+        editor.wait_for({"dragging=1", "live=1", "resting=1", "trouble=0"});
+        const Image held = editor.screenshot();
+        editor.xdotool({"mouseup", "1"});
+        editor.wait_for({"dragging=0", "live=0", "settled=1", "undo=1", "trouble=0"});
+        const Image let_go = editor.screenshot();
+        // Around the left foot nothing but the picture itself is drawn.
+        const Point foot = editor.window_from_image({258, 920});
+        const cv::Rect near(cv::Point(cvRound(foot.x()) - 40, cvRound(foot.y()) - 20), cv::Size(80, 40));
+        EXPECT_LE(difference(held, let_go, near), 8) << method;
+        editor.key("ctrl+s");
+        editor.wait_for({"modified=0"});
+        const Puppet saved = read_puppet(file);
+        EXPECT_TRUE(saved.poses.at(0).handles.at("right hand").turn_rad) << method;
+        editor.key("ctrl+q");
+        EXPECT_EQ(editor.wait_for_exit(), 0);
+    }
+}
+
 TEST_F(WindowTest, AClickWithinOneFrameIsNotLost) {
     const Image image = read_image(picture);
     DrivenEditor editor(*display, folder.path(), {picture});

@@ -145,6 +145,40 @@ TEST(WorkerTest, TheEndOfADragCancelsTheLiveRequest) {
     EXPECT_EQ(worker.newest()->revision, 2u);
 }
 
+TEST(WorkerTest, MakesAShapeAgainWhileThereIsMoreOfIt) {
+    Finished finished;
+    int made = 0;
+    Worker worker(
+        [&](const ShapeRequest& r, Progress&) {
+            auto shape = std::make_shared<Shape>(*answer(r));
+            shape->more = ++made < 5;
+            return shape;
+        },
+        [&] { finished.add(); });
+    worker.submit(request(7, true));
+    finished.wait_for(5);
+    wait_until_idle(worker);
+    EXPECT_EQ(made, 5);
+    EXPECT_EQ(finished.count(), 5);
+    EXPECT_EQ(worker.newest()->revision, 7u);
+}
+
+TEST(WorkerTest, ANewerRequestIsMadeInsteadOfMoreOfTheLast) {
+    Finished finished;
+    Worker worker(
+        [&](const ShapeRequest& r, Progress&) {
+            auto shape = std::make_shared<Shape>(*answer(r));
+            shape->more = r.live;
+            return shape;
+        },
+        [&] { finished.add(); });
+    worker.submit(request(1, true));
+    finished.wait_for(3);
+    worker.submit(request(2));
+    wait_until_idle(worker);
+    EXPECT_EQ(worker.newest()->revision, 2u);
+}
+
 TEST(WorkerTest, EndsInTheMiddleOfWork) {
     Gate gate;
     {

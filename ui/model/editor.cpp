@@ -7,6 +7,7 @@
 #include <puppetwarp/project/pipeline.h>
 
 #include <exception>
+#include <map>
 #include <system_error>
 #include <utility>
 
@@ -71,7 +72,7 @@ void Editor::open(const fs::path& path) {
         }
         opening.revision = ++revision_;
         const Pose pose = default_pose(opening.puppet);
-        worker_->submit({opening.revision, std::make_shared<const Puppet>(opening.puppet), pose, false});
+        worker_->submit({opening.revision, std::make_shared<const Puppet>(opening.puppet), pose});
         opening_ = std::move(opening);
         message_ = {Message::Kind::info, "Opening " + shown_name(path)};
     } catch (const std::exception& error) {
@@ -83,7 +84,7 @@ void Editor::finish_opening(const std::shared_ptr<const Shape>& shape) {
     const Opening opening = *std::exchange(opening_, std::nullopt);
     if (!shape->subject) {
         report_error(shape->error);
-        if (has_document_) request(false);
+        if (has_document_) request(Ask::what_is_rendered);
         return;
     }
     history_.reset(opening.puppet);
@@ -98,6 +99,7 @@ void Editor::finish_opening(const std::shared_ptr<const Shape>& shape) {
 
 bool Editor::save_as(const fs::path& path) {
     cancel();
+    take_turns();
     try {
         const auto snapshot = history_.snapshot();
         require_not_the_source(*snapshot, path);
@@ -114,6 +116,7 @@ bool Editor::save_as(const fs::path& path) {
 
 void Editor::export_picture(const fs::path& path) {
     if (!can_edit() || export_) return;
+    take_turns();
     message_ = {Message::Kind::info, "Exporting " + shown_name(path)};
     export_ = std::make_unique<BackgroundTask>(
         [puppet = history_.snapshot(), pose = pose(), path](Progress& progress) {
@@ -140,27 +143,27 @@ std::string Editor::document_name() const {
     return shown_name(file_.empty() ? fs::path(puppet().image) : file_);
 }
 
-void Editor::change(const std::string& name, const std::function<void(Puppet&)>& how) {
+void Editor::change(const std::string& name, const std::function<void(Puppet&)>& how, Ask ask) {
     if (!can_edit()) return;
     auto edit = history_.edit(name);
     how(edit.value());
     edit.commit();
     message_ = {};
-    request(false);
+    request(ask);
 }
 
 void Editor::undo() {
     if (!can_undo()) return;
     message_ = {Message::Kind::info, "Undone: " + history_.undo_name()};
     history_.undo();
-    request(false);
+    request(Ask::what_is_rendered);
 }
 
 void Editor::redo() {
     if (!can_redo()) return;
     message_ = {Message::Kind::info, "Redone: " + history_.redo_name()};
     history_.redo();
-    request(false);
+    request(Ask::what_is_rendered);
 }
 
 void Editor::set_method(Method method) {
@@ -168,9 +171,14 @@ void Editor::set_method(Method method) {
     change("Choose method", [&](Puppet& puppet) { puppet.method.method = method; });
 }
 
+void Editor::set_method_options(const std::string& name, const MethodOptions& options) {
+    change(name, [&](Puppet& puppet) { puppet.method = options; });
+}
+
 void Editor::remove_pin(const std::string& id) {
     if (!find_handle(puppet().rig, id)) return;
-    change("Remove " + id, [&](Puppet& puppet) { remove_handle(puppet, id); });
+    change(
+        "Remove " + id, [&](Puppet& puppet) { remove_handle(puppet, id); }, Ask::keep_way);
 }
 
 void Editor::clear_pose() {
@@ -188,34 +196,51 @@ std::string Editor::pose_name() const {
 void Editor::choose_pose(const std::string& name) {
     if (!can_edit()) return;
     chosen_pose_ = name;
-    request(false);
+    request(Ask::what_is_rendered);
 }
 
 void Editor::press(const Point& image, double image_px_per_point) {
     if (!can_edit()) return;
-    follow(tool_.press(image, rest_finder_.rest_from_moved(shape_, image), pose_name(), image_px_per_point));
+    follow(tool_.press(image, rest_finder_.rest_from_moved(shape_, image), pose_name(), image_px_per_point),
+           Ask::keep_way);
 }
 
 void Editor::move(const Point& image) {
-    follow(tool_.move(image));
+    follow(tool_.move(image), Ask::keep_way);
 }
 
 void Editor::release() {
-    follow(tool_.release());
+    // The pointer may be ahead of the newest shape; `take_turns` brings what is missing when that has come to its end.
+    follow(tool_.release(shape_ && shape_->live ? shape_->turns : std::map<std::string, double>{}), Ask::keep_way);
 }
 
 void Editor::cancel() {
-    follow(tool_.cancel());
+    follow(tool_.cancel(), Ask::what_is_rendered);
 }
 
-void Editor::follow(PinTool::Change change) {
+void Editor::follow(PinTool::Change change, Ask when_settled) {
     if (change == PinTool::Change::none) return;
     message_ = {};
-    request(change == PinTool::Change::live);
+    request(change == PinTool::Change::live ? Ask::live : when_settled);
 }
 
-void Editor::request(bool live) {
-    worker_->submit({++revision_, history_.snapshot(), pose(), live});
+void Editor::request(Ask ask) {
+    take_turns();
+    ++revision_;
+    const History<Puppet>::Snapshot step = history_.snapshot();
+    awaited_.reset();
+    if (ask == Ask::keep_way) awaited_ = Awaited{revision_, step, pose_name()};
+    worker_->submit({revision_, step, pose(), ask == Ask::live, ask == Ask::keep_way});
+}
+
+void Editor::take_turns() {
+    const std::shared_ptr<const Shape> newest = worker_->newest();
+    if (!awaited_ || !newest || newest->revision != awaited_->revision) return;
+    const Awaited awaited = *std::exchange(awaited_, std::nullopt);
+    Puppet kept = *awaited.step;
+    keep_turns(kept, awaited.pose, newest->turns);
+    // A step that says all there is to say stays the one that is saved.
+    if (to_json(kept) != to_json(*awaited.step)) history_.amend(awaited.step, std::move(kept));
 }
 
 bool Editor::update() {
@@ -225,6 +250,7 @@ bool Editor::update() {
         export_.reset();
         news = true;
     }
+    take_turns();
     std::shared_ptr<const Shape> newest = worker_->newest();
     if (newest == seen_) return news;
     seen_ = newest;

@@ -61,6 +61,8 @@ public:
     void undo();
     void redo();
     void set_method(Method method);
+    //! Options of the method at hand. \param name  of the step, as the menu shows it.
+    void set_method_options(const std::string& name, const MethodOptions& options);
     void remove_pin(const std::string& id);
     void clear_pose();
     //! The pose that is shown and edited: the chosen one, else the one that the command would take.
@@ -89,8 +91,10 @@ public:
     bool update();
     //! The newest shape; null before the first.
     const std::shared_ptr<const Shape>& shape() const { return shape_; }
+    //! `shape()` is one of the puppet as it stands; while a pin is dragged maybe not the last.
+    bool up_to_date() const { return shape_ && shape_->revision == revision_ && !opening_; }
     //! `shape()` is what the command would render of the puppet as it stands.
-    bool settled() const { return shape_ && shape_->revision == revision_ && !shape_->live && !opening_; }
+    bool settled() const { return up_to_date() && !shape_->live; }
     bool busy() const { return opening_ || !worker_->idle(); }
     //! Counts the documents that were opened.
     int document_number() const { return document_number_; }
@@ -106,10 +110,19 @@ private:
         std::uint64_t revision;
     };
 
-    void request(bool live);
-    void follow(PinTool::Change change);
+    // A shape that will say what belongs into the pose of the step that asked for it.
+    struct Awaited {
+        std::uint64_t revision;
+        History<Puppet>::Snapshot step;
+        std::string pose;
+    };
+    enum class Ask { what_is_rendered, live, keep_way };
+
+    void request(Ask ask);
+    void follow(PinTool::Change change, Ask when_settled);
+    void take_turns();
     void finish_opening(const std::shared_ptr<const Shape>& shape);
-    void change(const std::string& name, const std::function<void(Puppet&)>& how);
+    void change(const std::string& name, const std::function<void(Puppet&)>& how, Ask ask = Ask::what_is_rendered);
     std::filesystem::path document_folder() const;
 
     std::function<void()> wake_;
@@ -121,6 +134,7 @@ private:
     std::string chosen_pose_;
     Message message_;
     std::optional<Opening> opening_;
+    std::optional<Awaited> awaited_;
     std::uint64_t revision_ = 0;
     std::shared_ptr<const Shape> shape_;
     std::shared_ptr<const Shape> seen_;  // the last one that was taken from the worker

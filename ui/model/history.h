@@ -81,6 +81,17 @@ public:
         ++present_;
     }
 
+    //! Puts into a step what belongs to it and was known only later; what was built on it since stays as it is.
+    //! \return false when that step is gone.
+    bool amend(const Snapshot& snapshot, T value) {
+        for (Step& step : steps_) {
+            if (step.snapshot != snapshot) continue;
+            step.snapshot = std::make_shared<const T>(std::move(value));
+            return true;
+        }
+        return false;
+    }
+
     //! Whether something would be lost by closing.
     bool modified() const { return working_ || steps_[present_].snapshot != saved_; }
     //! \param written  the snapshot that is in the file now.

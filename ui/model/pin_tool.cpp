@@ -2,6 +2,8 @@
 
 #include "model/puppet_edits.h"
 
+#include <utility>
+
 namespace puppetwarp::ui {
 
 PinTool::Change PinTool::press(const Point& image, const std::optional<Point>& rest, const std::string& pose,
@@ -36,9 +38,10 @@ PinTool::Change PinTool::move(const Point& image) {
     return Change::live;
 }
 
-PinTool::Change PinTool::release() {
-    held_.reset();
+PinTool::Change PinTool::release(const std::map<std::string, double>& turns) {
+    const std::optional<Held> held = std::exchange(held_, std::nullopt);
     if (!edit_) return Change::none;
+    keep_turns(edit_->value(), held->pose, turns);
     edit_->commit();
     edit_.reset();
     return Change::settled;

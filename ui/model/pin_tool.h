@@ -5,6 +5,7 @@
 #include <puppetwarp/base/point.h>
 #include <puppetwarp/project/puppet.h>
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -35,7 +36,8 @@ public:
     Change press(const Point& image, const std::optional<Point>& rest, const std::string& pose,
                  double image_px_per_point);
     Change move(const Point& image);
-    Change release();
+    //! \param turns  how far points have turned in the drag: a part of it (`with_turns`).
+    Change release(const std::map<std::string, double>& turns = {});
     //! Gives up a drag: everything is as it was before the press.
     Change cancel();
 

@@ -2,6 +2,7 @@
 
 #include <puppetwarp/project/puppet.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,16 @@ std::string add_pin(Puppet& puppet, const std::string& pose, const Point& at, co
 
 //! Sets a pin's target; the pose is made when it is missing.
 void move_pin(Puppet& puppet, const std::string& pose, const std::string& id, const Point& to);
+
+//! The pose with how far points with a free angle turned on their way, in whole degrees, when one of them turned so far
+//! that the command could not know; without, when none did.
+//! \param turns  by handle id, radians, as `InteractiveSolver::turns`; empty: the method follows none, and what the
+//! pose
+//!               says stays.
+Pose with_turns(Pose pose, const std::map<std::string, double>& turns);
+
+//! Makes a pose `with_turns`; one that is missing is made when it is needed.
+void keep_turns(Puppet& puppet, const std::string& pose, const std::map<std::string, double>& turns);
 
 //! Removes a handle from the rig and from every pose; bones that hung on it stand alone.
 void remove_handle(Puppet& puppet, const std::string& id);

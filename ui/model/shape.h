@@ -7,8 +7,10 @@
 #include <puppetwarp/project/puppet.h>
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace puppetwarp::ui {
 
@@ -27,8 +29,12 @@ struct ShapeRequest {
     std::uint64_t revision = 0;
     std::shared_ptr<const Puppet> puppet;
     Pose pose;
-    //! While a pin is dragged: begin from the last positions and stop early. Else exactly what the command renders.
+    //! While a pin is dragged: go on from the last positions for as long as a frame takes. Else what the command
+    //! renders.
     bool live = false;
+    //! After a drag, or when handles came or went: go on from the last positions to the end, and take from there into
+    //! the pose how far its points turned. Then what the command renders of that pose.
+    bool keep_way = false;
 };
 
 //! What the screen shows: a puppet in a pose, as far as it could be made.
@@ -40,8 +46,14 @@ struct Shape {
     Distortion distortion;
     bool live = false;      //!< of the request
     bool converged = true;  //!< the method came to its end (a live shape need not)
+    bool more = false;      //!< a live shape that the same request, made again, brings nearer to the end
     double deform_ms = 0;   //!< what the deformation took
-    std::string error;      //!< why the way ended before its end, one line; empty: it did not
+    //! By handle id, how far points with a free angle have turned on their way, whole turns counted, radians: what
+    //! `with_turns` puts into the pose. Of requests that are live or keep the way; empty where a method follows none.
+    std::map<std::string, double> turns;
+    double jump_px = 0;                 //!< of a request that keeps the way: how far the file's shape is from the last
+    std::vector<std::string> warnings;  //!< what a person should know of, a phrase each
+    std::string error;                  //!< why the way ended before its end, one line; empty: it did not
 };
 
 }  // namespace puppetwarp::ui

@@ -1,14 +1,15 @@
 #include "model/shape_maker.h"
 
+#include "model/puppet_edits.h"
 #include "model/shown_picture.h"
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/project/pipeline.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 
-#include <algorithm>
-#include <chrono>
 #include <exception>
+#include <thread>
+#include <utility>
 
 namespace puppetwarp::ui {
 
@@ -34,19 +35,28 @@ std::string mesh_key(const Puppet& puppet) {
     return to_json(part);
 }
 
-std::string deformer_key(const Puppet& puppet) {
+std::string method_key(const Puppet& puppet) {
     Puppet part;
-    part.rig = puppet.rig;
     part.method = puppet.method;
     return to_json(part);
 }
 
-// While a pin moves, a shape that is good to the eye now beats one that is good to the last digit later.
-MethodOptions live_options(MethodOptions options) {
-    options.tolerance = std::max(options.tolerance, 1e-4);
-    options.max_iterations = std::min(options.max_iterations, 20);
-    return options;
+std::string rig_key(const Puppet& puppet) {
+    Puppet part;
+    part.rig = puppet.rig;
+    return puppet.folder.string() + to_json(part);
 }
+
+using Clock = std::chrono::steady_clock;
+
+// Of a live shape: what a frame leaves beside drawing.
+constexpr double live_budget_ms = 12;
+// What has not converged after this while never will.
+constexpr auto patience = std::chrono::seconds(5);
+// While the solver waits for a factor there is nothing to do.
+constexpr auto pause = std::chrono::milliseconds(1);
+// A picture that goes elsewhere by less is the same to the eye.
+constexpr double seen_px = 0.5;
 
 }  // namespace
 
@@ -94,8 +104,7 @@ void ShapeMaker::update_mesh(const Puppet& puppet, Progress& progress) {
     std::string key = mesh_key(puppet);
     if (mesh_ && key == mesh_key_) return;
     mesh_.reset();
-    exact_ = {};
-    live_ = {};
+    solver_.reset();
     progress.step("triangulate", 0);
     const Outline outline =
         outline_subject(puppet, subject_->image.width(), subject_->image.height(), subject_->cutout);
@@ -119,35 +128,100 @@ Rig ShapeMaker::rig(const Puppet& puppet) {
     return rig;
 }
 
-const Deformer& ShapeMaker::prepared(const Puppet& puppet, bool live, Progress& progress) {
-    Prepared& kept = live ? live_ : exact_;
-    std::string key = deformer_key(puppet);
-    if (!kept.deformer || kept.key != key) {
-        kept = {};
-        progress.step("bind", 0);
-        kept.deformer = make_deformer(live ? live_options(puppet.method) : puppet.method, *mesh_, rig(puppet));
-        kept.key = std::move(key);
+// One solver as long as mesh and method stay, so that a change of the handles does not stall.
+void ShapeMaker::update_solver(const Puppet& puppet, Progress& progress) {
+    std::string method = method_key(puppet);
+    std::string handles = rig_key(puppet);
+    if (solver_ && method == method_key_ && handles == rig_key_) return;
+    progress.step("bind", 0);
+    if (solver_ && method == method_key_) {
+        solver_->set_rig(rig(puppet));
+    } else {
+        solver_ = std::make_unique<InteractiveSolver>(puppet.method, *mesh_, rig(puppet));
+        begun_ = false;
     }
-    return *kept.deformer;
+    method_key_ = std::move(method);
+    rig_key_ = std::move(handles);
 }
 
 void ShapeMaker::deform(const ShapeRequest& request, Shape& shape, Progress& progress) {
     if (request.puppet->rig.handles.empty()) {
+        solver_.reset();
         last_moved_ = mesh_->V;
         return;
     }
     // Until this one is there, and if it cannot be made, the last one is the best there is.
     shape.moved = last_moved_;
-    const Deformer& deformer = prepared(*request.puppet, request.live, progress);
+    update_solver(*request.puppet, progress);
     progress.step("deform", 0);
-    const auto before = std::chrono::steady_clock::now();
-    Deformation deformation = deformer.deform(request.pose, request.live ? &last_moved_ : nullptr, progress);
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - before;
+    const auto before = Clock::now();
+    InteractiveFrame frame = follow(request, shape, progress);
+    const std::chrono::duration<double, std::milli> took = Clock::now() - before;
+    if (!frame.V.allFinite()) {
+        throw InvalidInput("mesh", "its triangles are too thin or too different in size to compute with",
+                           "use a mesh with better triangles");
+    }
     shape.deform_ms = took.count();
-    shape.converged = deformation.converged;
-    shape.distortion = measure_distortion(*mesh_, deformation.V);
-    shape.moved = std::move(deformation.V);
+    shape.converged = frame.converged;
+    shape.distortion = measure_distortion(*mesh_, frame.V);
+    shape.warnings.insert(shape.warnings.end(), frame.warnings.begin(), frame.warnings.end());
+    shape.moved = std::move(frame.V);
     last_moved_ = shape.moved;
+}
+
+InteractiveFrame ShapeMaker::follow(const ShapeRequest& request, Shape& shape, Progress& progress) {
+    // A new solver knows nothing of what is shown: it begins with what the command renders.
+    if (!begun_ || !(request.live || request.keep_way)) {
+        InteractiveFrame frame = solver_->restart(request.pose, progress);
+        begun_ = true;
+        return frame;
+    }
+    if (!request.live) return settle(request, shape, progress);
+    if (request.revision != live_revision_) resting_since_ = Clock::now();
+    live_revision_ = request.revision;
+    InteractiveFrame frame = advance(request.pose);
+    shape.turns = solver_->turns();
+    shape.more = !frame.converged && Clock::now() - resting_since_ < patience;
+    return frame;
+}
+
+InteractiveFrame ShapeMaker::advance(const Pose& pose) {
+    InteractiveFrame frame = solver_->advance(pose, live_budget_ms);
+    if (!frame.converged && frame.iterations == 0) std::this_thread::sleep_for(pause);
+    return frame;
+}
+
+// Goes to the end of the drag, and then the way that the command will go: what the file says counts.
+InteractiveFrame ShapeMaker::settle(const ShapeRequest& request, Shape& shape, Progress& progress) {
+    const auto end = Clock::now() + patience;
+    InteractiveFrame dragged;
+    do {
+        progress.step("deform", 0);
+        dragged = advance(request.pose);
+    } while (!dragged.converged && Clock::now() < end);
+    shape.moved = last_moved_ = dragged.V;
+    const auto jump_px = [&](const InteractiveFrame& frame) {
+        return (frame.V - dragged.V).rowwise().norm().maxCoeff();
+    };
+    shape.turns = solver_->turns();
+    InteractiveFrame filed = solver_->restart(with_turns(request.pose, shape.turns), progress);
+    shape.jump_px = jump_px(filed);
+    if (shape.jump_px <= seen_px) return filed;
+
+    // Turns that do not lead to where the drag came from them are not worth keeping when it goes as well without.
+    std::map<std::string, double> none = shape.turns;
+    for (auto& [id, turn_rad] : none) turn_rad = 0;
+    InteractiveFrame plain = solver_->restart(with_turns(request.pose, none), progress);
+    if (jump_px(plain) <= shape.jump_px) {
+        shape.turns = std::move(none);
+        shape.jump_px = jump_px(plain);
+        filed = std::move(plain);
+    } else {
+        filed = solver_->restart(with_turns(request.pose, shape.turns), progress);
+    }
+    if (shape.jump_px > seen_px)
+        shape.warnings.push_back("the file cannot keep the way of this drag, so what it renders is shown");
+    return filed;
 }
 
 }  // namespace puppetwarp::ui

@@ -3,8 +3,9 @@
 #include "model/shape.h"
 
 #include <puppetwarp/base/progress.h>
-#include <puppetwarp/deform/deformer.h>
+#include <puppetwarp/deform/interactive_solver.h>
 
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -22,17 +23,14 @@ public:
     std::shared_ptr<const Shape> make(const ShapeRequest& request, Progress& progress);
 
 private:
-    // A method made ready, and what it was made for.
-    struct Prepared {
-        std::string key;
-        std::unique_ptr<const Deformer> deformer;
-    };
-
     void update_subject(const Puppet& puppet, Progress& progress);
     void update_mesh(const Puppet& puppet, Progress& progress);
     Rig rig(const Puppet& puppet);
-    const Deformer& prepared(const Puppet& puppet, bool live, Progress& progress);
+    void update_solver(const Puppet& puppet, Progress& progress);
     void deform(const ShapeRequest& request, Shape& shape, Progress& progress);
+    InteractiveFrame follow(const ShapeRequest& request, Shape& shape, Progress& progress);
+    InteractiveFrame advance(const Pose& pose);
+    InteractiveFrame settle(const ShapeRequest& request, Shape& shape, Progress& progress);
 
     int longest_side_px_;
     std::string subject_key_;
@@ -41,9 +39,13 @@ private:
     std::shared_ptr<const TriangleMesh> mesh_;
     std::string stiffness_key_;
     std::vector<Stiffness> stiffness_;  // of subject_, pictures loaded
-    Prepared exact_;
-    Prepared live_;
-    Eigen::MatrixX2d last_moved_;  // of mesh_; where live deformations begin
+    std::string method_key_;
+    std::string rig_key_;
+    std::unique_ptr<InteractiveSolver> solver_;  // of mesh_, and of what these two keys stand for
+    bool begun_ = false;                         // solver_ has shown something
+    std::uint64_t live_revision_ = 0;            // of the last live request, and since when it is the last
+    std::chrono::steady_clock::time_point resting_since_;
+    Eigen::MatrixX2d last_moved_;  // of mesh_
 };
 
 }  // namespace puppetwarp::ui

@@ -66,6 +66,7 @@ void Worker::run() {
         lock.lock();
         working_ = false;
         if (!shape) continue;
+        if (shape->more && !waiting_) waiting_ = request;
         newest_ = std::move(shape);
         lock.unlock();
         finished_();

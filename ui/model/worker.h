@@ -17,6 +17,7 @@ namespace puppetwarp::ui {
 //!
 //! A newer request cancels the one at work, with one exception: a live one is not cancelled by another live one.
 //! It is short, and when the pointer moves faster than shapes are made, each must still be shown.
+//! A request whose shape says that there is `more` is made again until something else waits.
 class Worker {
 public:
     //! Makes one shape; called on the worker's thread only. \throw Cancelled

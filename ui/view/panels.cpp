@@ -1,5 +1,7 @@
 #include "view/panels.h"
 
+#include "view/method_panel.h"
+
 #include <imgui.h>
 
 #include <array>
@@ -78,30 +80,6 @@ void draw_toolbar(const ActionTable& actions) {
 void heading(const char* text) {
     ImGui::Dummy({0, 4});
     ImGui::TextColored(colours::dim_text, "%s", text);
-}
-
-const char* about(Method method) {
-    switch (method) {
-        case Method::harmonic: return "Soft as rubber near each pin; stretches freely.";
-        case Method::biharmonic: return "Smooth everywhere; bends in wide curves.";
-        case Method::arap: return "As rigid as possible: limbs keep their size.";
-        default: return "";
-    }
-}
-
-void draw_method(Editor& editor) {
-    heading("METHOD");
-    const std::vector<std::string> names = method_names();
-    const std::string now = method_name(editor.puppet().method.method);
-    ImGui::SetNextItemWidth(-1);
-    if (ImGui::BeginCombo("##method", now.c_str())) {
-        for (const std::string& name : names)
-            if (ImGui::Selectable(name.c_str(), name == now)) editor.set_method(method_from_name(name));
-        ImGui::EndCombo();
-    }
-    ImGui::PushStyleColor(ImGuiCol_Text, colours::dim_text);
-    ImGui::TextWrapped("%s", about(editor.puppet().method.method));
-    ImGui::PopStyleColor();
 }
 
 void draw_pose(Editor& editor, const ActionTable& actions) {
@@ -183,7 +161,8 @@ void draw_side(Editor& editor, const ActionTable& actions, float scale) {
     } else {
         ImGui::TextDisabled("Nothing is open");
     }
-    draw_method(editor);
+    heading("METHOD");
+    draw_method_panel(editor);
     draw_pose(editor, actions);
     draw_pin_list(editor, scale);
     ImGui::EndDisabled();
@@ -200,9 +179,15 @@ const char* hint(const Editor& editor) {
     return list.size() == 1 ? "Set more pins: one to pull, others to hold" : "Drag a pin to warp the picture";
 }
 
+std::string joined(const std::vector<std::string>& phrases) {
+    std::string text;
+    for (const std::string& phrase : phrases) text += (text.empty() ? "" : "; ") + phrase;
+    return text;
+}
+
 void draw_message(const Editor& editor) {
     const Message& message = editor.message();
-    const std::string& trouble = editor.shape() ? editor.shape()->error : message.text;
+    std::string trouble = editor.shape() ? editor.shape()->error : message.text;
     if (message.kind == Message::Kind::error) {
         ImGui::TextColored(colours::error, "⚠  %s", message.text.c_str());
     } else if (editor.exporting()) {
@@ -211,6 +196,9 @@ void draw_message(const Editor& editor) {
         ImGui::TextColored(colours::error, "⚠  %s", trouble.c_str());
     } else if (message.kind == Message::Kind::info) {
         ImGui::TextUnformatted(message.text.c_str());
+    } else if (editor.shape() && !editor.shape()->warnings.empty() && !editor.tool().dragging()) {
+        trouble = joined(editor.shape()->warnings);
+        ImGui::TextColored(colours::warning, "⚠  %s", trouble.c_str());
     } else {
         const bool waits = !editor.settled() && !editor.tool().dragging();
         ImGui::TextDisabled("%s", !editor.has_document() ? "" : waits ? "Working…" : "Ready");

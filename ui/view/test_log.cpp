@@ -18,7 +18,8 @@ std::string state(const App& app) {
     const Point origin = app.canvas().view().screen_from_image({0, 0});
     std::ostringstream text;
     text << "document=" << editor.document_number() << " settled=" << (editor.settled() && !editor.busy())
-         << " live=" << (editor.shape() && editor.shape()->live) << " modified=" << editor.modified()
+         << " live=" << (editor.shape() && editor.shape()->live)
+         << " resting=" << (editor.up_to_date() && editor.shape()->converged) << " modified=" << editor.modified()
          << " dragging=" << editor.tool().dragging() << " pins=" << editor.puppet().rig.handles.size()
          << " selected=" << (editor.tool().selected().empty() ? "-" : editor.tool().selected())
          << " undo=" << editor.can_undo() << " redo=" << editor.can_redo()

@@ -17,7 +17,7 @@ struct Condition {
     int row = 0;                         //!< among the rows of the metric
     std::complex<double> direction = 1;  //!< of length 1
     double value = 0;
-    bool fixes_angle = false;            //!< whether it keeps what it holds from turning
+    bool fixes_angle = false;  //!< whether it keeps what it holds from turning
 };
 
 //! The value of a condition's left side.

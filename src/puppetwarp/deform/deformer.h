@@ -49,6 +49,9 @@ struct MethodOptions {
     int max_iterations = 1000;  //!< at least 1; stopping here is `converged = false`
 };
 
+//! What `smooth-arap` bends by when no length is given: a fiftieth of the bounding diagonal, in pixels.
+double usual_bending_length_px(const TriangleMesh& mesh);
+
 //! Names of all methods, in the order of `Method`.
 std::vector<std::string> method_names();
 std::string method_name(Method method);

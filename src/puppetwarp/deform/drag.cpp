@@ -3,6 +3,7 @@
 #include <puppetwarp/deform/variational.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace puppetwarp {
@@ -55,10 +56,17 @@ void Drag::set_problem(std::shared_ptr<const VariationalProblem> problem) {
     const std::vector<Hold>& old_holds = before->binding().holds;
     for (const Hold& hold : problem_->binding().holds) {
         double turn = hold.turn.empty() ? 0 : std::arg(row_value(hold.turn, state_->descent.x()));
+        // What lies beside a hold that went round and round has gone round as often.
+        double nearest = std::numeric_limits<double>::infinity();
+        double turn_there = 0;
         for (std::size_t h = 0; h < old_holds.size(); ++h) {
-            if (old_holds[h].at == hold.at) turn = unwrapped(turn, turns_before[h]);
+            if (old_holds[h].turn.empty() || old_holds[h].component != hold.component) continue;
+            const double distance = std::abs(old_holds[h].at - hold.at);
+            if (distance >= nearest) continue;
+            nearest = distance;
+            turn_there = turns_before[h];
         }
-        turns_.push_back(turn);
+        turns_.push_back(unwrapped(turn, turn_there));
     }
     begin_at(state_->descent.x());
     if (!problem_->has_unknowns()) {

@@ -33,11 +33,11 @@ public:
     }
 
     InteractiveFrame advance(const Pose& pose, double budget_ms) {
-        return drag_ ? drag_->advance(pose, budget_ms) : answer(pose);
+        return drag_ ? with_warnings(drag_->advance(pose, budget_ms)) : answer(pose);
     }
 
     InteractiveFrame restart(const Pose& pose, Progress& progress) {
-        return drag_ ? drag_->restart(pose, progress) : answer(pose);
+        return drag_ ? with_warnings(drag_->restart(pose, progress)) : answer(pose);
     }
 
     std::map<std::string, double> turns() const {
@@ -52,11 +52,21 @@ public:
     }
 
 private:
+    InteractiveFrame with_warnings(InteractiveFrame frame) const {
+        frame.warnings = drag_->problem().binding().warnings;
+        return frame;
+    }
+
     InteractiveFrame answer(const Pose& pose) const {
         Progress progress;
         Deformation deformation = deformer_->deform(pose, nullptr, progress);
-        return {std::move(deformation.V),       true, deformation.converged, deformation.iterations, deformation.energy,
-                deformation.max_handle_error_px};
+        return {std::move(deformation.V),
+                true,
+                deformation.converged,
+                deformation.iterations,
+                deformation.energy,
+                deformation.max_handle_error_px,
+                std::move(deformation.warnings)};
     }
 
     MethodOptions options_;

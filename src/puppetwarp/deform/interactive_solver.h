@@ -5,17 +5,19 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace puppetwarp {
 
 //! What a drag shows at one moment.
 struct InteractiveFrame {
-    Eigen::MatrixX2d V;              //!< #V x 2, the best positions so far; always finite
-    bool settled = false;            //!< less than a twentieth of a thousandth of the subject's size is left to go
-    bool converged = false;          //!< to the tolerance of the options
-    int iterations = 0;              //!< of this call
-    double energy = 0;               //!< the method's own at V, px^2
-    double max_handle_error_px = 0;  //!< against what each handle constrains
+    Eigen::MatrixX2d V;                 //!< #V x 2, the best positions so far; always finite
+    bool settled = false;               //!< less than a twentieth of a thousandth of the subject's size is left to go
+    bool converged = false;             //!< to the tolerance of the options
+    int iterations = 0;                 //!< of this call
+    double energy = 0;                  //!< the method's own at V, px^2
+    double max_handle_error_px = 0;     //!< against what each handle constrains
+    std::vector<std::string> warnings;  //!< as of a Deformation
 };
 
 //! A deformation that follows handles while they are dragged. Remembers where it is: each call goes on from the

@@ -26,26 +26,29 @@ constexpr double laplacian_share = 0.2;
 // A scale is met when it is as near as this; springs leave what they leave.
 constexpr double settled_scale = 1e-10;
 
-double bending_length(const MethodOptions& options, double size) {
-    const double length = options.bending_length_px.value_or(bending_share * size);
-    if (length > 0 && length <= longest_bending * size) return length;
-    throw InvalidInput("bending_length_px", "must be above 0 and at most " + std::to_string(longest_bending) +
-                                                " times the subject's size");
+double bending_length(const MethodOptions& options, const TriangleMesh& mesh) {
+    const double length = options.bending_length_px.value_or(usual_bending_length_px(mesh));
+    if (length > 0 && length <= longest_bending * bounding_diagonal(mesh.V)) return length;
+    throw InvalidInput("bending_length_px",
+                       "must be above 0 and at most " + std::to_string(longest_bending) + " times the subject's size");
 }
 
 std::unique_ptr<const Energy> make_energy(const MethodOptions& options, const TriangleMesh& mesh,
-                                          const Eigen::VectorXd& stiffness, double size) {
+                                          const Eigen::VectorXd& stiffness) {
     switch (options.method) {
         case Method::fold_free: return make_symmetric_dirichlet(mesh, stiffness);
         case Method::smooth_arap:
-            return std::make_unique<SmoothArapEnergy>(mesh, stiffness,
-                                                      bending_length(options, size));
+            return std::make_unique<SmoothArapEnergy>(mesh, stiffness, bending_length(options, mesh));
         default: break;
     }
     return make_arap_energy(options.arap_energy, mesh, stiffness);
 }
 
 }  // namespace
+
+double usual_bending_length_px(const TriangleMesh& mesh) {
+    return bending_share * bounding_diagonal(mesh.V);
+}
 
 bool is_variational(Method method) {
     return method == Method::arap || method == Method::smooth_arap || method == Method::fold_free;
@@ -60,7 +63,7 @@ VariationalProblem::Subject::Subject(const MethodOptions& method, const Triangle
       rest(complex_positions(mesh.V)),
       size(bounding_diagonal(mesh.V)),
       component(vertex_components(mesh)),
-      energy(make_energy(options, mesh, stiffness, size)) {}
+      energy(make_energy(options, mesh, stiffness)) {}
 
 VariationalProblem::VariationalProblem(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig)
     : rig_(rig), subject_(std::make_shared<const Subject>(options, mesh, triangle_stiffness(mesh, rig.stiffness))) {
@@ -174,8 +177,7 @@ double VariationalProblem::spring_stiffness() const {
 }
 
 Objective VariationalProblem::objective(const Goals& goals, const Eigen::VectorXcd& x) const {
-    Objective objective{
-        *subject_->energy, factors_->free, rows_, spring_stiffness(), {}, factors_->sprung, {}};
+    Objective objective{*subject_->energy, factors_->free, rows_, spring_stiffness(), {}, factors_->sprung, {}};
     aim(objective, goals, x);
     return objective;
 }

@@ -32,8 +32,8 @@ constexpr double stride_rad = 0.1746;
 constexpr double far_turn_rad = 1.0;
 // A constant metric is given up for the true one after this many iterations.
 constexpr int constant_iterations = 80;
-// A fixed scale with a free angle is a curved condition: met in so many rounds of straight ones.
-constexpr int most_rounds = 20;
+// A fixed scale with a free angle is a curved condition: met in so many rounds of straight ones, or at a fixed angle.
+constexpr int most_rounds = 10;
 // What another way must be better than the first.
 constexpr double better_share = 0.999;
 // Turns that differ by less are the same, whole turns counted.
@@ -90,6 +90,16 @@ std::unique_ptr<Deformer> VariationalDeformer::with_rig(const Rig& rig) const {
     return std::make_unique<VariationalDeformer>(std::make_shared<VariationalProblem>(*problem_, rig));
 }
 
+// Goals whose given scales have an angle as well, that of x. A disc that is pressed together would rather turn away
+// from every straight condition than be small: its angle is kept as it came.
+Goals VariationalDeformer::facing_as(const Eigen::VectorXcd& x, Goals goals) const {
+    for (std::size_t h = 0; h < goals.holds.size(); ++h) {
+        HoldGoal& goal = goals.holds[h];
+        if (goal.scale && !goal.angle_rad) goal.angle_rad = std::arg(row_value(problem_->binding().holds[h].turn, x));
+    }
+    return goals;
+}
+
 // Leads the handles from where x has them to the goals, and ends in a minimum there.
 VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& start, const Goals& goals, Way way,
                                                        int most_iterations, Progress& progress) const {
@@ -134,8 +144,9 @@ VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& s
     for (int s = 1; s < strides; ++s) come_near(path.at(static_cast<double>(s) / strides));
     if (way == Way::turning && says_turns(goals)) come_near(path.held_end());
     Outcome outcome;
-    for (int round = 0; round < most_rounds; ++round) {
-        aim(goals, slow);
+    const Eigen::VectorXcd before = descent.x();
+    for (int round = 0; round <= most_rounds; ++round) {
+        aim(round < most_rounds ? goals : facing_as(before, goals), slow);
         const int budget = std::max(0, most_iterations - spent);
         outcome.minimum = minimise(descent, metric, renewed, {options.tolerance, budget, floor}, progress);
         spent += outcome.minimum.iterations;

@@ -7,7 +7,8 @@ namespace puppetwarp {
 
 //! `arap`, `smooth-arap` and `fold-free`: the least energy that meets the handles, exactly in the first two, as strong
 //! springs in the last, which never folds a triangle over. A point's fixed angle theta is Im(e^(-i theta) mean f_z) = 0
-//! over its disc, together with a scale s it is mean f_z = s e^(i theta), a scale alone is |mean f_z| = s.
+//! over its disc, together with a scale s it is mean f_z = s e^(i theta), a scale alone is |mean f_z| = s, at the angle
+//! that the disc came with where none is settled.
 //! The energies have many minima: the handles are led to their targets in strides small enough to follow, from the rest
 //! pose brought as near to them as a rigid motion can, or from the given start. Where that turns something far, both
 //! the straight and the turning way are gone, and the better end counts. Where a pose says how far free angles turned,
@@ -30,6 +31,7 @@ private:
     Outcome lead(const Eigen::VectorXcd& start, const Goals& goals, Way way, int most_iterations,
                  Progress& progress) const;
     Outcome best_lead(const Eigen::VectorXcd& start, const Goals& goals, bool warm, Progress& progress) const;
+    Goals facing_as(const Eigen::VectorXcd& x, Goals goals) const;
     bool keep_facing(const Eigen::VectorXcd& x, Goals& goals) const;
 
     std::shared_ptr<const VariationalProblem> problem_;

@@ -199,6 +199,12 @@ GoalPath::GoalPath(const Binding& binding, const Goals& from, const Goals& to, d
     }
 }
 
+double GoalPath::strongest_squeeze() const {
+    double strongest = 1;
+    for (std::size_t h = 0; h < holds_.size(); ++h) strongest = std::min(strongest, squeeze(h));
+    return strongest;
+}
+
 int GoalPath::strides(double stride_rad) const {
     double strides = 0;
     const auto count_spiral = [&](const Spiral& spiral) {

@@ -3,6 +3,7 @@
 
 #include <puppetwarp/rig/binding.h>
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -61,6 +62,9 @@ public:
     double widest_turn_rad() const { return widest_turn_; }
     //! The angle of a hold's spiral.
     double turn_rad(std::size_t hold) const { return holds_[hold].growth.imag(); }
+    //! By what share a hold's distance from its spiral's centre changes; the least of all.
+    double squeeze(std::size_t hold) const { return std::exp(holds_[hold].growth.real()); }
+    double strongest_squeeze() const;
     //! At a share of the way in (0, 1]; at 1 exactly the goals given.
     Goals at(double share) const;
     //! The goals given, free angles fixed at how far the goals say they turn.

@@ -30,12 +30,16 @@ constexpr int patience = 1;
 constexpr double stride_rad = 0.1746;
 // Turns below are the same by any way.
 constexpr double far_turn_rad = 1.0;
+constexpr double very_far_turn_rad = 2.0;
 // A constant metric is given up for the true one after this many iterations.
 constexpr int constant_iterations = 80;
 // A fixed scale with a free angle is a curved condition: met in so many rounds of straight ones, or at a fixed angle.
 constexpr int most_rounds = 10;
 // What another way must be better than the first.
 constexpr double better_share = 0.999;
+// Arms that come to be shorter than this share of themselves go over something; nearly half a turn brings them back.
+constexpr double squeezed = 0.6;
+constexpr double turned_over_rad = 2.97;
 // Turns that differ by less are the same, whole turns counted.
 constexpr double same_turn_rad = 0.01;
 // Where the rest pose, moved rigidly, meets the handles it is left only for a state that is turned farther.
@@ -162,7 +166,25 @@ VariationalDeformer::Outcome VariationalDeformer::lead(const Eigen::VectorXcd& s
     return outcome;
 }
 
-// Another way where it differs, and the better end.
+// The goals with free angles turned along with their spirals, far turns all in one sense: a limb as a whole. What comes
+// so near to its neighbours that it would be crushed on the way is turned over.
+Goals VariationalDeformer::turned_by(const Eigen::VectorXcd& start, Goals goals, const GoalPath& path,
+                                     double sense) const {
+    for (std::size_t h = 0; h < goals.holds.size(); ++h) {
+        const Hold& hold = problem_->binding().holds[h];
+        if (hold.turn.empty() || goals.holds[h].angle_rad) continue;
+        double turn = path.turn_rad(h);
+        if (std::abs(turn) > std::numbers::pi / 2) {
+            if (sense * turn < 0) turn += sense * 2 * std::numbers::pi;
+        } else if (path.squeeze(h) <= squeezed) {
+            turn = sense * turned_over_rad;
+        }
+        goals.holds[h].way_rad = std::arg(row_value(hold.turn, start)) + turn;
+    }
+    return goals;
+}
+
+// Other ways where they differ, and the best end.
 VariationalDeformer::Outcome VariationalDeformer::best_lead(const Eigen::VectorXcd& start, const Goals& goals,
                                                             bool warm, Progress& progress) const {
     const int most = problem_->options().max_iterations;
@@ -172,11 +194,9 @@ VariationalDeformer::Outcome VariationalDeformer::best_lead(const Eigen::VectorX
     if (guided ? first.minimum.converged && first.turn_error < same_turn_rad : warm || !first.minimum.converged) {
         return first;
     }
-    int iterations = first.minimum.iterations;
     if (guided) {
         // What followed of itself may have spent all on folds that cost no end of iterations.
         Outcome second = lead(start, goals, Way::turning, most, progress);
-        iterations += second.minimum.iterations;
         const bool told_apart = std::abs(second.turn_error - first.turn_error) > same_turn_rad;
         if (told_apart ? second.turn_error < first.turn_error : second.value < better_share * first.value) {
             first = std::move(second);
@@ -184,23 +204,20 @@ VariationalDeformer::Outcome VariationalDeformer::best_lead(const Eigen::VectorX
     } else {
         const Goals from = goals_at(start, problem_->binding(), goals);
         const GoalPath path(problem_->binding(), from, goals, problem_->size(), Way::turning);
-        if (path.widest_turn_rad() < far_turn_rad) return first;
-        // Straight on, and with all that is turned kept at the angle of its spiral: an arm as a whole.
-        Goals turned = goals;
-        for (std::size_t h = 0; h < turned.holds.size(); ++h) {
-            const Hold& hold = problem_->binding().holds[h];
-            if (hold.turn.empty() || turned.holds[h].angle_rad) continue;
-            turned.holds[h].way_rad = std::arg(row_value(hold.turn, start)) + path.turn_rad(h);
-        }
+        if (path.widest_turn_rad() < far_turn_rad && path.strongest_squeeze() > squeezed) return first;
+        // What came out well at a moderate turn is the natural end.
+        if (path.widest_turn_rad() < very_far_turn_rad && problem_->looks_natural(first.x)) return first;
         const auto try_way = [&](const Goals& by, Way way) {
-            Outcome other = lead(start, by, way, std::max(0, most - iterations), progress);
-            iterations += other.minimum.iterations;
+            Outcome other = lead(start, by, way, most, progress);
             if (other.value < better_share * first.value) first = std::move(other);
         };
-        try_way(turned, Way::turning);
+        for (const double sense : {1.0, -1.0}) {
+            const Goals turned = turned_by(start, goals, path, sense);
+            try_way(turned, Way::turning);
+            try_way(turned, Way::following);
+        }
         try_way(goals, Way::straight);
     }
-    first.minimum.iterations = iterations;
     return first;
 }
 
@@ -253,7 +270,7 @@ Deformation VariationalDeformer::deform(const Pose& pose, const Eigen::MatrixX2d
         result.iterations = outcome.minimum.iterations;
         if (keep_facing(outcome.x, goals)) {
             outcome = best_lead(x, goals, start != nullptr, progress);
-            result.iterations += outcome.minimum.iterations;
+            result.iterations = outcome.minimum.iterations;
         }
         result.converged = outcome.minimum.converged;
         result.energy_history = std::move(outcome.minimum.history);

@@ -10,11 +10,12 @@ namespace puppetwarp {
 //! over its disc, together with a scale s it is mean f_z = s e^(i theta), a scale alone is |mean f_z| = s, at the angle
 //! that the disc came with where none is settled.
 //! The energies have many minima: the handles are led to their targets in strides small enough to follow, from the rest
-//! pose brought as near to them as a rigid motion can, or from the given start. Where that turns something far, both
-//! the straight and the turning way are gone, and the better end counts. Where a pose says how far free angles turned,
-//! all that is free first follows of itself; where it does not end turned so far, another way is gone with these angles
-//! held, with as many iterations again, and the end counts that is nearer to it. A start has turned already: what the
-//! pose says of that is not asked.
+//! pose brought as near to them as a rigid motion can, or from the given start. Where that turns something far or
+//! squeezes it, other ways are gone too, straight on and with whole limbs turned in either sense, and the best end
+//! counts; iterations and energies are those of its way. Where a pose says how far free angles turned, all that is free
+//! first follows of itself; where it does not end turned so far, another way is gone with these angles held, with as
+//! many iterations again, and the end counts that is nearer to it. A start has turned already: what the pose says of
+//! that is not asked.
 class VariationalDeformer : public Deformer {
 public:
     explicit VariationalDeformer(std::shared_ptr<const VariationalProblem> problem) : problem_(std::move(problem)) {}
@@ -32,6 +33,7 @@ private:
                  Progress& progress) const;
     Outcome best_lead(const Eigen::VectorXcd& start, const Goals& goals, bool warm, Progress& progress) const;
     Goals facing_as(const Eigen::VectorXcd& x, Goals goals) const;
+    Goals turned_by(const Eigen::VectorXcd& start, Goals goals, const GoalPath& path, double sense) const;
     bool keep_facing(const Eigen::VectorXcd& x, Goals& goals) const;
 
     std::shared_ptr<const VariationalProblem> problem_;

@@ -4,6 +4,7 @@
 #include <puppetwarp/deform/arap_energy.h>
 #include <puppetwarp/deform/element_energy.h>
 #include <puppetwarp/deform/smooth_arap_energy.h>
+#include <puppetwarp/mesh/distortion.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +23,9 @@ constexpr int longest_bending = 100;
 // How much of the Laplacian `smooth-arap`'s constant metric has beside the bending: local rotations cost nothing in the
 // energy and all in the Laplacian.
 constexpr double laplacian_share = 0.2;
+
+// Stretch that a limb has that was led the wrong way; some that were led right have it too.
+constexpr double natural_stretch = 2.5;
 
 // A scale is met when it is as near as this; springs leave more.
 constexpr double settled_scale = 1e-10;
@@ -211,6 +215,11 @@ void VariationalProblem::place_held(const Goals& goals, Eigen::VectorXcd& x) con
     for (std::size_t k = 0; k < binding_.vertices.size(); ++k) {
         x(binding_.vertices[k].vertex) = goals.vertices(static_cast<Eigen::Index>(k));
     }
+}
+
+bool VariationalProblem::looks_natural(const Eigen::VectorXcd& x) const {
+    const Distortion distortion = measure_distortion(subject_->mesh, point_positions(x));
+    return distortion.flipped_triangles == 0 && distortion.max_stretch < natural_stretch;
 }
 
 bool VariationalProblem::scales_settled(const Goals& goals, const Eigen::VectorXcd& x) const {

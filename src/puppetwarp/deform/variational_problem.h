@@ -38,6 +38,8 @@ public:
     //! Puts the vertices that handles hold exactly.
     void place_held(const Goals& goals, Eigen::VectorXcd& x) const;
 
+    //! Whether no triangle is folded over and none is stretched as far as crushed limbs are.
+    bool looks_natural(const Eigen::VectorXcd& x) const;
     //! Whether every scale that is fixed with a free angle is met at x.
     bool scales_settled(const Goals& goals, const Eigen::VectorXcd& x) const;
 

@@ -124,6 +124,8 @@ TEST_F(DragTest, TheTurnBelongsToTheStepOfTheDrag) {
 
 TEST_F(DragTest, SmallTurnsAreNotTold) {
     open_sample("gingerbread");
+    editor.set_method(Method::smooth_arap);
+    settle();
     drag_round("right hand", gingerbread_shoulder, 20);
     const Pose pose = editor.pose();
     ASSERT_EQ(pose.handles.size(), 1u);

@@ -182,7 +182,7 @@ void add_compare_command(CLI::App& app, const GlobalOptions& global, int& exit_c
         ->add_option("--pin-snap", request->options.pin_snap_px,
                      "Move pins at most PX pixels outside the subject onto it")
         ->type_name("PX")
-        ->check(CLI::NonNegativeNumber);
+        ->check(not_negative());
     add_sheet_options(*compare, *request);
     compare->add_flag("--force", request->force, "Let the output replace the input");
     request->report.add_to(*compare);

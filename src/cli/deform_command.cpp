@@ -130,10 +130,10 @@ void add_deform_command(CLI::App& app, const GlobalOptions& global, int& exit_co
         ->type_name("E");
     deform->add_option("--max-iterations", request->max_iterations, "Of iterative methods, at least 1")
         ->type_name("N")
-        ->check(CLI::PositiveNumber);
+        ->check(above_zero());
     deform->add_option("--tolerance", request->tolerance, "Relative change of energy to stop at (default 1e-8)")
         ->type_name("T")
-        ->check(CLI::PositiveNumber);
+        ->check(above_zero());
     request->gates.add_to(*deform);
     deform->add_flag("--force", request->force, "Let the output replace the input");
     request->report.add_to(*deform);

@@ -60,7 +60,7 @@ void add_diff_command(CLI::App& app, const GlobalOptions& global, int& exit_code
     diff->add_option("--heatmap", request->heatmap, "Write a picture of where they differ")->type_name("OUT");
     diff->add_option("--max-pixels", request->max_pixels, "Refuse larger pictures (default 200000000)")
         ->type_name("N")
-        ->check(CLI::PositiveNumber);
+        ->check(above_zero());
     request->report.add_to(*diff);
     diff->callback([request, &global, &exit_code] { exit_code = compare_pictures(*request, global); });
 }

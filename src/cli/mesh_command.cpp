@@ -78,14 +78,14 @@ void add_mesh_command(CLI::App& app, const GlobalOptions& global, int& exit_code
         ->type_name("OUT");
     mesh->add_option("--max-edge-px", request->max_edge_px, "Longest edge (default: a share of the subject's size)")
         ->type_name("N")
-        ->check(CLI::PositiveNumber);
+        ->check(above_zero());
     mesh->add_option("--min-angle-deg", request->min_angle_deg, "Smallest angle, 0 to 30 (default 25)")->type_name("N");
     mesh->add_option("--expand-px", request->expand_px, "How far to grow the outline (default 2)")
         ->type_name("N")
-        ->check(CLI::NonNegativeNumber);
+        ->check(not_negative());
     mesh->add_option("--max-pixels", request->max_pixels, "Refuse larger pictures (default 200000000)")
         ->type_name("N")
-        ->check(CLI::PositiveNumber);
+        ->check(above_zero());
     mesh->add_flag("--force", request->force, "Let the output replace the input");
     mesh->callback([request, &global, &exit_code] { exit_code = make_mesh(*request, global); });
 }

@@ -113,6 +113,22 @@ double parse_threshold(const std::string& text) {
     return value;
 }
 
+CLI::Validator above_zero() {
+    return {[](std::string& text) {
+                const auto value = number_from(text);
+                return value && *value > 0 ? std::string() : "'" + text + "' is not a number above 0";
+            },
+            ""};
+}
+
+CLI::Validator not_negative() {
+    return {[](std::string& text) {
+                const auto value = number_from(text);
+                return value && *value >= 0 ? std::string() : "'" + text + "' is not a number of at least 0";
+            },
+            ""};
+}
+
 std::string method_list() {
     std::string list;
     for (const std::string& name : method_names()) list += (list.empty() ? "" : ", ") + name;

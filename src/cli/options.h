@@ -4,6 +4,8 @@
 #include <puppetwarp/project/pipeline.h>
 #include <puppetwarp/project/puppet.h>
 
+#include <CLI/CLI.hpp>
+
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -28,6 +30,10 @@ CanvasChoice parse_canvas(const std::string& text);
 
 //! A share of full scale: `0.02` or `4/255`. \throw InvalidInput  outside 0 to 1.
 double parse_threshold(const std::string& text);
+
+//! Checks of options, with errors a person can read.
+CLI::Validator above_zero();
+CLI::Validator not_negative();
 
 //! The names of all methods, for help texts.
 std::string method_list();

@@ -122,7 +122,7 @@ void add_method_options(CLI::App& warp, WarpRequest& request) {
         ->type_name("E");
     warp.add_option("--pin-snap", request.pin_snap_px, "Move pins at most PX pixels outside the subject onto it")
         ->type_name("PX")
-        ->check(CLI::NonNegativeNumber);
+        ->check(not_negative());
 }
 
 void add_picture_options(CLI::App& warp, WarpRequest& request) {
@@ -144,7 +144,7 @@ void add_picture_options(CLI::App& warp, WarpRequest& request) {
         ->check(CLI::Range(1, 100));
     warp.add_option("--max-pixels", request.max_pixels, "Refuse larger pictures (default 200000000)")
         ->type_name("N")
-        ->check(CLI::PositiveNumber);
+        ->check(above_zero());
 }
 
 }  // namespace

@@ -37,45 +37,49 @@ Goals without_ways(Goals goals) {
 
 Drag::Drag(std::shared_ptr<const VariationalProblem> problem, bool worker) : problem_(std::move(problem)) {
     turns_.resize(problem_->binding().holds.size());
-    begin_at(problem_->rest());
+    state_ = state_at(*problem_, problem_->rest());
     if (problem_->has_unknowns()) metric_ = problem_->metric(state_->descent.x(), state_->objective);
     if (worker && !problem_->constant_metric()) worker_ = std::make_unique<MetricWorker>();
 }
 
-void Drag::begin_at(Eigen::VectorXcd x) {
-    const Goals goals = without_ways(problem_->goals(Pose{}));
-    Objective objective = problem_->objective(goals_at(x, problem_->binding(), goals), x);
-    state_ = std::make_unique<State>(std::move(objective), std::move(x));
-    last_goals_.reset();
+std::unique_ptr<Drag::State> Drag::state_at(const VariationalProblem& problem, Eigen::VectorXcd x) {
+    const Goals goals = without_ways(problem.goals(Pose{}));
+    Objective objective = problem.objective(goals_at(x, problem.binding(), goals), x);
+    return std::make_unique<State>(std::move(objective), std::move(x));
+}
+
+// Of a new hold: what lies beside one that went round and round has gone round as often.
+double Drag::turn_beside(const Hold& hold) const {
+    const std::vector<Hold>& known = problem_->binding().holds;
+    double nearest = std::numeric_limits<double>::infinity();
+    double turn_there = 0;
+    for (std::size_t h = 0; h < known.size(); ++h) {
+        if (known[h].turn.empty() || known[h].component != hold.component) continue;
+        const double distance = std::abs(known[h].at - hold.at);
+        if (distance >= nearest) continue;
+        nearest = distance;
+        turn_there = turns_[h];
+    }
+    return unwrapped(hold.turn.empty() ? 0 : std::arg(row_value(hold.turn, state_->descent.x())), turn_there);
 }
 
 void Drag::set_problem(std::shared_ptr<const VariationalProblem> problem) {
     if (worker_) worker_->drop();
-    const std::shared_ptr<const VariationalProblem> before = std::exchange(problem_, std::move(problem));
-    const std::vector<double> turns_before = std::exchange(turns_, {});
-    const std::vector<Hold>& old_holds = before->binding().holds;
-    for (const Hold& hold : problem_->binding().holds) {
-        double turn = hold.turn.empty() ? 0 : std::arg(row_value(hold.turn, state_->descent.x()));
-        // What lies beside a hold that went round and round has gone round as often.
-        double nearest = std::numeric_limits<double>::infinity();
-        double turn_there = 0;
-        for (std::size_t h = 0; h < old_holds.size(); ++h) {
-            if (old_holds[h].turn.empty() || old_holds[h].component != hold.component) continue;
-            const double distance = std::abs(old_holds[h].at - hold.at);
-            if (distance >= nearest) continue;
-            nearest = distance;
-            turn_there = turns_before[h];
-        }
-        turns_.push_back(unwrapped(turn, turn_there));
+    std::vector<double> turns;
+    for (const Hold& hold : problem->binding().holds) turns.push_back(turn_beside(hold));
+    std::unique_ptr<State> state = state_at(*problem, state_->descent.x());
+    std::shared_ptr<ConstrainedMetric> metric;
+    if (problem->has_unknowns()) {
+        metric = metric_ && problem->shares_factors_with(*problem_)
+                     ? problem->adopted(*metric_, *problem_, state->objective)
+                     : problem->metric(state->descent.x(), state->objective);
     }
-    begin_at(state_->descent.x());
-    if (!problem_->has_unknowns()) {
-        metric_.reset();
-    } else if (metric_ && problem_->shares_factors_with(*before)) {
-        metric_ = problem_->adopted(*metric_, *before, state_->objective);
-    } else {
-        metric_ = problem_->metric(state_->descent.x(), state_->objective);
-    }
+    // Nothing can fail from here on: until here everything is as it was.
+    state_ = std::move(state);
+    problem_ = std::move(problem);
+    turns_ = std::move(turns);
+    metric_ = std::move(metric);
+    last_goals_.reset();
 }
 
 // Aims at the goals, or at as much of the way to them as can be followed.
@@ -193,7 +197,7 @@ InteractiveFrame Drag::restart(const Pose& pose, Progress& progress) {
     const Deformation deformation = deformer.deform(pose, nullptr, progress);
     const Goals goals = problem_->goals(pose);
     if (worker_) worker_->drop();
-    begin_at(complex_positions(deformation.V));
+    state_ = state_at(*problem_, complex_positions(deformation.V));
     const std::vector<Hold>& holds = problem_->binding().holds;
     for (std::size_t h = 0; h < holds.size(); ++h) {
         if (holds[h].turn.empty()) continue;

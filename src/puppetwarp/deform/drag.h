@@ -35,7 +35,8 @@ private:
         State(const State&) = delete;
     };
 
-    void begin_at(Eigen::VectorXcd x);
+    static std::unique_ptr<State> state_at(const VariationalProblem& problem, Eigen::VectorXcd x);
+    double turn_beside(const Hold& hold) const;
     bool stride_towards(const Goals& goals);
     enum class Went { on, settled, nowhere };
     Went iterate(bool to_the_end, InteractiveFrame& frame);

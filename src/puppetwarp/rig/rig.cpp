@@ -35,6 +35,16 @@ void require_positive(const std::string& subject, const std::string& field, doub
     if (!(value > 0)) throw InvalidInput(subject, field + " must be above 0");
 }
 
+// Beyond, what is soft beside it drowns in round-off.
+constexpr double most_stiffness = 1e6;
+
+void require_stiffness(const std::string& subject, const std::string& field, double value) {
+    require_positive(subject, field, value);
+    if (value < 1 / most_stiffness || value > most_stiffness) {
+        throw InvalidInput(subject, field + " must be between a millionth and a million");
+    }
+}
+
 void require_polygon(const std::string& subject, const Polyline& points) {
     require_finite(subject, "points", points);
     if (points.size() < 3) throw InvalidInput(subject, "points must be a polygon of at least 3 corners");
@@ -86,11 +96,11 @@ struct StiffnessCheck {
 
     void operator()(const StiffnessRegion& region) const {
         require_polygon(subject, region.points);
-        require_positive(subject, "value", region.value);
+        require_stiffness(subject, "value", region.value);
     }
     void operator()(const StiffnessPicture& picture) const {
         if (picture.path.empty() && picture.grey.empty()) throw InvalidInput(subject, "it names no picture");
-        require_positive(subject, "max", picture.max);
+        require_stiffness(subject, "max", picture.max);
     }
 };
 

@@ -47,12 +47,21 @@ private:
 
 }  // namespace
 
-Descent::Descent(const Objective& objective, Eigen::VectorXcd x) : objective_(objective), x_(std::move(x)) {
-    restart();
+Descent::Descent(const Objective& objective, Eigen::VectorXcd x) : objective_(objective), x_(std::move(x)) {}
+
+double Descent::value() const {
+    evaluate();
+    return value_;
+}
+
+void Descent::evaluate() const {
+    if (evaluated_) return;
+    value_ = objective_.gradient(x_, gradient_);
+    evaluated_ = true;
 }
 
 void Descent::restart() {
-    value_ = objective_.gradient(x_, gradient_);
+    evaluated_ = false;
 }
 
 void Descent::restart_at(Eigen::VectorXcd x) {
@@ -64,13 +73,13 @@ void Descent::meet_conditions(const ConstrainedMetric& metric) {
     if (objective_.penalty > 0 || objective_.conditions.empty()) return;
     const Eigen::VectorXd missing = objective_.missing(x_);
     const Eigen::VectorXcd start = x_;
-    const double before = value_;
+    const double before = value();
     x_ -= metric.step(gradient_, -missing);
     polish_conditions(metric);
-    if (value_ <= before) return;
+    if (value() <= before) return;
     // Far from a minimum the Newton step may lead anywhere, stride for stride farther: its model ends long before.
     Eigen::VectorXcd cheapest = start + metric.correction(missing);
-    if (value_ <= objective_.value(cheapest)) return;
+    if (value() <= objective_.value(cheapest)) return;
     x_ = std::move(cheapest);
     polish_conditions(metric);
 }
@@ -95,6 +104,7 @@ Eigen::VectorXcd Descent::preconditioned(Eigen::VectorXcd q, const ConstrainedMe
 }
 
 double Descent::choose_direction(const ConstrainedMetric& metric) {
+    evaluate();
     direction_ = -preconditioned(gradient_, metric);
     slope_ = dot(gradient_, direction_);
     if (slope_ >= 0 && remembers()) {
@@ -122,6 +132,7 @@ double Descent::step() {
         x_ = std::move(y);
         gradient_ = std::move(gradient);
         value_ = value;
+        evaluated_ = true;
         return length;
     }
     return 0;

@@ -20,9 +20,9 @@ public:
     Descent(const Objective& objective, Eigen::VectorXcd x);
 
     const Eigen::VectorXcd& x() const { return x_; }
-    double value() const { return value_; }
+    double value() const;
 
-    //! To be called when the objective has changed: recomputes value and gradient. What was learned stays.
+    //! To be called when the objective has changed: value and gradient are others. What was learned stays.
     void restart();
     //! Moves to other positions, where vertices that may not move were put elsewhere. What was learned stays.
     void restart_at(Eigen::VectorXcd x);
@@ -49,14 +49,17 @@ private:
         Eigen::VectorXcd change;
         double product;
     };
+    void evaluate() const;
     Eigen::VectorXcd preconditioned(Eigen::VectorXcd q, const ConstrainedMetric& metric) const;
 
     const Objective& objective_;
     Eigen::VectorXcd x_;
-    Eigen::VectorXcd gradient_;
+    // Found when first asked for: whoever sets positions and conditions one after the other pays once.
+    mutable Eigen::VectorXcd gradient_;
+    mutable double value_ = 0;
+    mutable bool evaluated_ = false;
     Eigen::VectorXcd direction_;
     std::deque<Pair> pairs_;
-    double value_ = 0;
     double slope_ = 0;
 };
 

@@ -3,7 +3,7 @@
 if(NOT PUPPETWARP_ROOT)
   cmake_path(SET PUPPETWARP_ROOT NORMALIZE "${CMAKE_CURRENT_LIST_DIR}/../..")
 endif()
-set(rooms base image cutout mesh solve rig deform warp diff project)
+set(rooms base image cutout mesh solve rig weights deform warp diff project)
 set(failures "")
 
 # complain(FILE INCLUDE REASON)

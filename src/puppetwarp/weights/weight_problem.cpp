@@ -1,0 +1,87 @@
+#include <puppetwarp/weights/weight_problem.h>
+
+#include <puppetwarp/base/errors.h>
+#include <puppetwarp/rig/binding.h>
+#include <puppetwarp/solve/cholesky.h>
+#include <puppetwarp/weights/weight_conditions.h>
+
+#include <optional>
+
+namespace puppetwarp {
+
+WeightProblem::WeightProblem(const TriangleMesh& domain, const Rig& all)
+    : mesh(domain),
+      rig(all),
+      stiffness(triangle_stiffness(mesh, rig.stiffness)),
+      conditions(weight_conditions(mesh, rig)) {}
+
+std::vector<WeightColumn> weight_columns(const Rig& rig) {
+    std::vector<WeightColumn> columns;
+    for (std::size_t h = 0; h < rig.handles.size(); ++h) {
+        const auto handle = static_cast<int>(h);
+        const auto* cage = std::get_if<CageHandle>(&rig.handles[h].shape);
+        if (cage == nullptr) {
+            columns.push_back({handle, -1});
+        } else {
+            for (std::size_t k = 0; k < cage->points.size(); ++k) columns.push_back({handle, static_cast<int>(k)});
+        }
+    }
+    return columns;
+}
+
+SparseMatrix laplacian_energy(const WeightProblem& problem) {
+    const double diagonal = bounding_diagonal(problem.mesh.V);
+    const SparseMatrix L = cotangent_stiffness(problem.mesh);
+    // A vertex of no triangle has no mass, and its row of L is 0.
+    const Eigen::VectorXd scale =
+        lumped_mass(problem.mesh).unaryExpr([&](double m) { return m > 0 ? diagonal * diagonal / m : 0; });
+    SparseMatrix Q = SparseMatrix(L * scale.asDiagonal()) * L;
+    if (problem.stiffness.size() > 0) {
+        const Eigen::VectorXd rho = (problem.stiffness.array() - 1).max(0);
+        Q += cotangent_stiffness(problem.mesh, rho);
+    }
+    return Q;
+}
+
+Eigen::MatrixXd unbounded_weights(const SparseMatrix& Q, const WeightConditions& conditions) {
+    const Eigen::Index n = Q.rows();
+    Eigen::MatrixXd W = Eigen::MatrixXd::Zero(n, conditions.values.cols());
+    std::vector<int> unknown(static_cast<std::size_t>(n), 0);
+    for (std::size_t i = 0; i < conditions.vertices.size(); ++i) {
+        W.row(conditions.vertices[i]) = conditions.values.row(static_cast<Eigen::Index>(i));
+        unknown[static_cast<std::size_t>(conditions.vertices[i])] = -1;
+    }
+    std::vector<int> free;
+    for (int v = 0; v < n; ++v) {
+        int& index = unknown[static_cast<std::size_t>(v)];
+        if (index < 0) continue;
+        index = static_cast<int>(free.size());
+        free.push_back(v);
+    }
+    if (free.empty()) return W;
+
+    std::vector<Eigen::Triplet<double>> entries;
+    for (const int v : free) {
+        const int column = unknown[static_cast<std::size_t>(v)];
+        for (SparseMatrix::InnerIterator it(Q, v); it; ++it) {
+            const int row = unknown[static_cast<std::size_t>(it.row())];
+            if (row >= column) entries.emplace_back(row, column, it.value());
+        }
+    }
+    const auto size = static_cast<Eigen::Index>(free.size());
+    SparseMatrix lower(size, size);
+    lower.setFromTriplets(entries.begin(), entries.end());
+    const std::optional<CholeskyFactor> factor = CholeskyPattern(lower).factorise(lower);
+    if (!factor) {
+        throw InvalidInput("mesh", "its triangles are too thin or too different in size to compute weights with",
+                           "use a mesh with better triangles");
+    }
+    const Eigen::MatrixXd load = Q * W;
+    Eigen::MatrixXd X(size, W.cols());
+    for (Eigen::Index i = 0; i < size; ++i) X.row(i) = -load.row(free[static_cast<std::size_t>(i)]);
+    factor->solve_in_place(X);
+    for (Eigen::Index i = 0; i < size; ++i) W.row(free[static_cast<std::size_t>(i)]) = X.row(i);
+    return W;
+}
+
+}  // namespace puppetwarp

@@ -1,0 +1,103 @@
+#include "reference/test_meshes.h"
+#include "support/message_of.h"
+
+#include <puppetwarp/base/errors.h>
+#include <puppetwarp/weights/weight_conditions.h>
+
+#include <gtest/gtest.h>
+
+namespace puppetwarp {
+namespace {
+
+using reference::grid;
+
+// 20 x 10 squares of 10 px; vertex (i, j) has index 21 j + i.
+const TriangleMesh& board() {
+    static const TriangleMesh mesh = grid(20, 10, 200, 100);
+    return mesh;
+}
+
+int at(int i, int j) {
+    return 21 * j + i;
+}
+
+Handle bone(const std::string& id, const Point& from, const Point& to) {
+    return {id, BoneHandle{from, to, ""}};
+}
+
+Handle point(const std::string& id, const Point& place) {
+    return {id, PointHandle{place, {}}};
+}
+
+std::vector<int> held_by(const WeightConditions& conditions, Eigen::Index column) {
+    std::vector<int> vertices;
+    for (std::size_t i = 0; i < conditions.vertices.size(); ++i) {
+        if (conditions.values(static_cast<Eigen::Index>(i), column) == 1) vertices.push_back(conditions.vertices[i]);
+    }
+    return vertices;
+}
+
+TEST(WeightConditions, APointHoldsTheNearestCornerOfItsTriangle) {
+    const WeightConditions conditions =
+        weight_conditions(board(), {{point("a", {31, 42}), point("b", {200, 100})}, {}});
+    EXPECT_EQ(conditions.vertices, (std::vector<int>{at(3, 4), at(20, 10)}));
+    EXPECT_EQ(conditions.values, Eigen::MatrixXd::Identity(2, 2));
+}
+
+TEST(WeightConditions, ABoneHoldsTheVerticesAlongIt) {
+    const WeightConditions conditions = weight_conditions(board(), {{bone("a", {20, 50}, {70, 50})}, {}});
+    EXPECT_EQ(conditions.vertices, (std::vector<int>{at(2, 5), at(3, 5), at(4, 5), at(5, 5), at(6, 5), at(7, 5)}));
+}
+
+TEST(WeightConditions, BonesLeaveTheirJointFree) {
+    const Rig rig{{bone("a", {20, 50}, {100, 50}), bone("b", {100, 50}, {100, 90})}, {}};
+    const TriangleMesh fine = grid(200, 100, 200, 100);
+    const WeightConditions conditions = weight_conditions(fine, rig);
+    ASSERT_FALSE(held_by(conditions, 0).empty());
+    const double free = 100 - fine.V.row(held_by(conditions, 0).back()).x();
+    EXPECT_GT(free, 0.015 * bounding_diagonal(fine.V));
+    EXPECT_LT(free, 0.025 * bounding_diagonal(fine.V));
+    for (const int v : held_by(conditions, 1)) EXPECT_GE(fine.V(v, 1) - 50, free - 1e-9);
+}
+
+TEST(WeightConditions, ABoneEndingOnAnotherFreesBothThere) {
+    const Rig rig{{bone("a", {20, 50}, {180, 50}), bone("b", {100, 50}, {100, 90})}, {}};
+    const TriangleMesh fine = grid(200, 100, 200, 100);
+    const WeightConditions conditions = weight_conditions(fine, rig);
+    for (const Eigen::Index column : {0, 1}) {
+        for (const int v : held_by(conditions, column)) {
+            EXPECT_GT((fine.V.row(v) - Eigen::RowVector2d(100, 50)).norm(), 0.015 * bounding_diagonal(fine.V));
+        }
+    }
+}
+
+TEST(WeightConditions, AVertexOfNoHandlesComponentGoesToTheNearest) {
+    const TriangleMesh two = reference::joined(grid(4, 4, 40, 40), grid(4, 4, 40, 40), {100, 0});
+    const WeightConditions conditions = weight_conditions(two, {{point("far", {0, 0}), point("near", {40, 20})}, {}});
+    EXPECT_EQ(held_by(conditions, 0).size(), 1u);
+    EXPECT_EQ(held_by(conditions, 1).size(), 26u);
+    ASSERT_EQ(conditions.warnings.size(), 1u);
+    EXPECT_NE(conditions.warnings[0].find("'near'"), std::string::npos) << conditions.warnings[0];
+}
+
+TEST(WeightConditions, RefusesWhatCannotBe) {
+    const auto refusal = [](const std::vector<Handle>& handles) {
+        return message_of([&] { weight_conditions(board(), {handles, {}}); });
+    };
+    EXPECT_EQ(
+        refusal({bone("a", {20, 50}, {100, 50}), bone("b", {60, 20}, {60, 80})}),
+        "handles 'a' and 'b': the bones cross each other at (60, 50) (let them meet at an end, or move them apart)");
+    EXPECT_EQ(refusal({point("a", {20, 50}), point("b", {21, 51})}),
+              "handles 'a' and 'b': they hold one vertex of the mesh, at (20, 50) (move them apart, or make the mesh "
+              "finer)");
+    EXPECT_EQ(refusal({point("a", {20, 150})}),
+              "handle 'a': lies 50 px outside the subject (--pin-snap PX moves it onto the subject)");
+    EXPECT_EQ(refusal({bone("a", {20, 50}, {220, 50})}),
+              "handle 'a': lies 20 px outside the subject (--pin-snap PX moves it onto the subject)");
+    EXPECT_EQ(refusal({{"r", RegionHandle{{{12, 12}, {15, 12}, {12, 15}}, Falloff::none}}}),
+              "handle 'r': it holds no vertex of the mesh that it does not share (make the mesh finer)");
+    EXPECT_EQ(refusal({{"v", VertexHandle{231}}}), "handle 'v': index 231 is not a vertex: the mesh has 231");
+}
+
+}  // namespace
+}  // namespace puppetwarp

@@ -127,7 +127,6 @@ public:
             std::visit([this](const auto& shape) { hold(shape); }, rig_.handles[handle_].shape);
         }
         fill_values();
-        require_all_hold();
         return std::move(found_);
     }
 
@@ -176,7 +175,7 @@ private:
     void hold_lone_components();
     std::size_t nearest_column(const std::vector<int>& vertices) const;
     double distance_to(const WeightColumn& column, const Point& p) const;
-    void require_all_hold() const;
+    void require_all_hold(const std::vector<Eigen::Index>& first) const;
 
     const TriangleMesh& mesh_;
     const Rig& rig_;
@@ -261,6 +260,7 @@ void Conditions::fill_values() {
     for (std::size_t c = found_.columns.size(); c-- > 0;) {
         first[static_cast<std::size_t>(found_.columns[c].handle)] = static_cast<Eigen::Index>(c);
     }
+    require_all_hold(first);
     hold_lone_components();
     const auto count = std::count_if(claims_.begin(), claims_.end(), [](const auto& held) { return held.has_value(); });
     found_.values = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(found_.columns.size()));
@@ -333,10 +333,13 @@ double Conditions::distance_to(const WeightColumn& column, const Point& p) const
     return distance;
 }
 
-void Conditions::require_all_hold() const {
-    const Eigen::VectorXd held = found_.values.colwise().maxCoeff().transpose();
-    for (std::size_t c = 0; c < found_.columns.size(); ++c) {
-        if (held(static_cast<Eigen::Index>(c)) > 0) continue;
+void Conditions::require_all_hold(const std::vector<Eigen::Index>& first) const {
+    std::vector<bool> holds(found_.columns.size());
+    for (const auto& held : claims_) {
+        if (held && held->along < 1) holds[static_cast<std::size_t>(first[held->handle] + held->corner)] = true;
+    }
+    for (std::size_t c = 0; c < holds.size(); ++c) {
+        if (holds[c]) continue;
         throw InvalidInput("handle '" + column_name(rig_, found_.columns[c]) + "'",
                            "it holds no vertex of the mesh that it does not share", "make the mesh finer");
     }

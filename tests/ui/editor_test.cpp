@@ -104,7 +104,8 @@ TEST_F(EditorTest, WhileAPinIsDraggedThePictureFollows) {
     const Eigen::MatrixX2d before = editor.shape()->moved;
     editor.press({100, 70}, image_px_per_point);
     editor.move({80, 60});
-    run_until([this] { return editor.shape()->live; });
+    follow();
+    EXPECT_TRUE(editor.shape()->live);
     EXPECT_GT((editor.shape()->moved - before).cwiseAbs().maxCoeff(), 5);
     EXPECT_FALSE(editor.can_undo());
     editor.cancel();

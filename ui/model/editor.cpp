@@ -49,14 +49,13 @@ std::string render_to_file(const Puppet& puppet, const Pose& pose, const fs::pat
 
 }  // namespace
 
-Editor::Editor(int longest_side_px, std::function<void()> wake)
+Editor::Editor(int longest_side_px, std::function<void()> wake, const Pace& pace)
     : wake_(std::move(wake)),
       history_(Puppet{}),
       tool_(history_),
       worker_(std::make_unique<Worker>(
-          [maker = std::make_shared<ShapeMaker>(longest_side_px)](const ShapeRequest& request, Progress& progress) {
-              return maker->make(request, progress);
-          },
+          [maker = std::make_shared<ShapeMaker>(longest_side_px, pace)](
+              const ShapeRequest& request, Progress& progress) { return maker->make(request, progress); },
           wake_)) {}
 
 void Editor::open(const fs::path& path) {

@@ -28,7 +28,7 @@ class Editor {
 public:
     //! \param longest_side_px  how large a picture the screen's memory takes.
     //! \param wake             called from other threads when `update()` has something to take.
-    Editor(int longest_side_px, std::function<void()> wake);
+    Editor(int longest_side_px, std::function<void()> wake, const Pace& pace = {});
 
     // The file.
 

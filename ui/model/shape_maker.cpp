@@ -49,10 +49,6 @@ std::string rig_key(const Puppet& puppet) {
 
 using Clock = std::chrono::steady_clock;
 
-// Of a live shape: what a frame leaves beside drawing.
-constexpr double live_budget_ms = 12;
-// What has not converged after this while never will.
-constexpr auto patience = std::chrono::seconds(5);
 // While the solver waits for a factor there is nothing to do.
 constexpr auto pause = std::chrono::milliseconds(1);
 // A picture that goes elsewhere by less is the same to the eye.
@@ -137,7 +133,7 @@ void ShapeMaker::update_solver(const Puppet& puppet, Progress& progress) {
     if (solver_ && method == method_key_) {
         solver_->set_rig(rig(puppet));
     } else {
-        solver_ = std::make_unique<InteractiveSolver>(puppet.method, *mesh_, rig(puppet));
+        solver_ = std::make_unique<InteractiveSolver>(puppet.method, *mesh_, rig(puppet), pace_.metric_worker);
         begun_ = false;
     }
     method_key_ = std::move(method);
@@ -181,19 +177,19 @@ InteractiveFrame ShapeMaker::follow(const ShapeRequest& request, Shape& shape, P
     live_revision_ = request.revision;
     InteractiveFrame frame = advance(request.pose);
     shape.turns = solver_->turns();
-    shape.more = !frame.converged && Clock::now() - resting_since_ < patience;
+    shape.more = !frame.converged && Clock::now() - resting_since_ < pace_.patience;
     return frame;
 }
 
 InteractiveFrame ShapeMaker::advance(const Pose& pose) {
-    InteractiveFrame frame = solver_->advance(pose, live_budget_ms);
+    InteractiveFrame frame = solver_->advance(pose, pace_.live_budget_ms);
     if (!frame.converged && frame.iterations == 0) std::this_thread::sleep_for(pause);
     return frame;
 }
 
 // Goes to the end of the drag, and then the way that the command will go: what the file says counts.
 InteractiveFrame ShapeMaker::settle(const ShapeRequest& request, Shape& shape, Progress& progress) {
-    const auto end = Clock::now() + patience;
+    const auto end = Clock::now() + pace_.patience;
     InteractiveFrame dragged;
     do {
         progress.step("deform", 0);

@@ -11,12 +11,21 @@
 
 namespace puppetwarp::ui {
 
+//! How much time a drag takes to follow the pointer.
+struct Pace {
+    double live_budget_ms = 12;        //!< of one live shape: what a frame leaves beside drawing; 0: one iteration
+    std::chrono::seconds patience{5};  //!< what has not converged after this while never will
+    //! Factors are refreshed by a thread of their own. False, and each live shape waited for until there is no `more`
+    //! of it: where a drag ends does not depend on timing.
+    bool metric_worker = true;
+};
+
 //! The library's pipeline, run as far as something has changed since the last time.
 //! What it keeps belongs to one thread.
 class ShapeMaker {
 public:
     //! \param longest_side_px  how large a picture the screen's memory takes.
-    explicit ShapeMaker(int longest_side_px) : longest_side_px_(longest_side_px) {}
+    explicit ShapeMaker(int longest_side_px, const Pace& pace = {}) : longest_side_px_(longest_side_px), pace_(pace) {}
 
     //! Never throws what the library refuses: that is `Shape::error`, beside all that could be made.
     //! \throw Cancelled
@@ -33,6 +42,7 @@ private:
     InteractiveFrame settle(const ShapeRequest& request, Shape& shape, Progress& progress);
 
     int longest_side_px_;
+    Pace pace_;
     std::string subject_key_;
     std::shared_ptr<const Subject> subject_;
     std::string mesh_key_;

@@ -30,6 +30,9 @@ const char* about(Method method) {
         case Method::arap: return "As rigid as possible everywhere.";
         case Method::smooth_arap: return "Rigid limbs in smooth bends.";
         case Method::fold_free: return "Never folds, wherever pins go.";
+        case Method::lbs: return "Weighted mean of the handles; joints shrink.";
+        case Method::dual_complex: return "Weighted mean that keeps joints round.";
+        case Method::intrinsic: return "Weighted mean that follows whole turns.";
         case Method::mls_affine: return "By near pins alone; may shear.";
         case Method::mls_similarity: return "By near pins alone; may grow.";
         case Method::mls_rigid: return "By near pins alone; rigid.";

@@ -17,7 +17,7 @@ class Progress {
 public:
     virtual ~Progress() = default;
 
-    //! \param stage     what is being done: `read`, `cutout`, `triangulate`, `bind`, `deform`, `warp`, `write`.
+    //! \param stage     what is being done: `read`, `cutout`, `triangulate`, `bind`, `weights`, `deform`, `warp`, `write`.
     //! \param fraction  how much of this stage is done, in [0, 1].
     //! \throw Cancelled  when `cancelled()`.
     void step(std::string_view stage, double fraction) {

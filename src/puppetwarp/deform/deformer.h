@@ -3,6 +3,7 @@
 #include <puppetwarp/base/progress.h>
 #include <puppetwarp/mesh/triangle_mesh.h>
 #include <puppetwarp/rig/rig.h>
+#include <puppetwarp/weights/weights.h>
 
 #include <memory>
 #include <optional>
@@ -26,6 +27,9 @@ enum class Method {
     arap,
     smooth_arap,
     fold_free,
+    lbs,
+    dual_complex,
+    intrinsic,
     mls_affine,
     mls_similarity,
     mls_rigid
@@ -47,6 +51,7 @@ struct MethodOptions {
     double bending = 0.01;      //!< of `thin-shell`: k_b as a share of the subject's squared diagonal, at least 0
     double tolerance = 1e-8;    //!< iterative methods stop at this relative change of energy, above 0
     int max_iterations = 1000;  //!< at least 1; stopping here is `converged = false`
+    WeightOptions weights;      //!< of the skinning methods
 };
 
 //! What `smooth-arap` bends by when no length is given: a fiftieth of the bounding diagonal, in pixels.
@@ -63,9 +68,10 @@ ArapEnergy arap_energy_from_name(std::string_view name);
 //! What a method made of a pose.
 struct Deformation {
     Eigen::MatrixX2d V;  //!< #V x 2 moved positions, image pixels
-    int iterations = 0;  //!< 0 for linear methods
+    int iterations = 0;  //!< 0 for linear methods and blends
     bool converged = true;
-    double energy = 0;  //!< the method's own energy at V, px^2; of a k-harmonic displacement px^(4 - 2 k)
+    double energy = 0;  //!< the method's own energy at V, px^2; of a k-harmonic displacement px^(4 - 2 k);
+                        //!< 0 of a blend, which minimises none
     std::vector<double> energy_history;  //!< from the start to `energy`, never rising
     double max_handle_error_px = 0;      //!< against what each handle constrains
     std::vector<std::string> warnings;   //!< what a person should know of: parts of the mesh that no handle holds
@@ -92,9 +98,23 @@ public:
     virtual std::unique_ptr<Deformer> with_rig(const Rig& rig) const;
 };
 
-//! Prepares a method: operators, binding of the handles, factorisations.
+//! Whether a method moves the mesh by weights of the handles: `lbs`, `dual-complex`, `intrinsic`.
+bool uses_weights(Method method);
+
+//! Prepares a method: operators, binding of the handles, factorisations, weights.
+//! \param progress  hears of `weights`, which may take seconds; may cancel. Without it nobody does.
 //! \throw InvalidInput  a handle outside the mesh, handles that the method cannot use,
 //!        no handles, options out of range.
+//! \throw Cancelled
+std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig,
+                                        Progress& progress);
 std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig);
+
+//! Prepares a method that uses weights with ones that are ready.
+//! \param weights  `compute_weights` of this mesh and rig; `options.weights` is not asked.
+//! \pre uses_weights(options.method)
+//! \throw InvalidInput  as above; the weights do not fit the mesh and the rig.
+std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig,
+                                        const Weights& weights);
 
 }  // namespace puppetwarp

@@ -108,7 +108,7 @@ Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, cons
     solved.mesh = mesh_subject(puppet, outline);
     timer.end("triangulate");
     solved.rig = snapped(load_rig(puppet, width, height, options.read), solved.mesh, options.pin_snap_px);
-    const std::unique_ptr<Deformer> deformer = make_deformer(puppet.method, solved.mesh, solved.rig);
+    const std::unique_ptr<Deformer> deformer = make_deformer(puppet.method, solved.mesh, solved.rig, progress);
     timer.end("bind");
     Deformation deformation = deformer->deform(pose, nullptr, progress);
     timer.end("deform");

@@ -79,15 +79,6 @@ std::vector<Segment> edges_of(const std::vector<Polyline>& polygons) {
     return edges;
 }
 
-Point meeting_point(const Segment& s, const Segment& t) {
-    for (const Point* shared : {&s.a, &s.b}) {
-        if (*shared == t.a || *shared == t.b) return *shared;
-    }
-    const double sine = cross(s.b - s.a, t.b - t.a);
-    if (sine == 0) return 0.5 * (s.a + s.b);
-    return s.a + (s.b - s.a) * std::clamp(cross(t.a - s.a, t.b - t.a) / sine, 0.0, 1.0);
-}
-
 void require_simple(const std::vector<Polyline>& polygons) {
     const std::vector<Segment> edges = edges_of(polygons);
     if (const auto pairs = meeting_pairs(edges); !pairs.empty()) {

@@ -7,6 +7,10 @@ namespace puppetwarp {
 
 namespace {
 
+double cross(const Point& a, const Point& b) {
+    return a.x() * b.y() - a.y() * b.x();
+}
+
 // -1, 0, 1: which side of the line a-b the point c is on; 0 when rounding could have decided.
 int side(const Point& a, const Point& b, const Point& c) {
     const double left = (b.x() - a.x()) * (c.y() - a.y());
@@ -86,6 +90,15 @@ bool segments_meet(const Segment& s, const Segment& t) {
     if (s_a * s_b < 0 && t_a * t_b < 0) return true;
     return (s_a == 0 && within_box(t, s.a)) || (s_b == 0 && within_box(t, s.b)) || (t_a == 0 && within_box(s, t.a)) ||
            (t_b == 0 && within_box(s, t.b));
+}
+
+Point meeting_point(const Segment& s, const Segment& t) {
+    for (const Point* shared : {&s.a, &s.b}) {
+        if (*shared == t.a || *shared == t.b) return *shared;
+    }
+    const double sine = cross(s.b - s.a, t.b - t.a);
+    if (sine == 0) return 0.5 * (s.a + s.b);
+    return s.a + (s.b - s.a) * std::clamp(cross(t.a - s.a, t.b - t.a) / sine, 0.0, 1.0);
 }
 
 std::vector<std::pair<std::size_t, std::size_t>> meeting_pairs(const std::vector<Segment>& segments) {

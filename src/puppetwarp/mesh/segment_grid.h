@@ -17,6 +17,9 @@ struct Segment {
 //! exactly equal, does not count unless they overlap beyond it.
 bool segments_meet(const Segment& s, const Segment& t);
 
+//! Where two segments that meet do so; the middle of the first where they overlap.
+Point meeting_point(const Segment& s, const Segment& t);
+
 //! All pairs of segments that meet, each once, lower index first, sorted. A uniform grid keeps this about linear for
 //! outlines.
 std::vector<std::pair<std::size_t, std::size_t>> meeting_pairs(const std::vector<Segment>& segments);

@@ -18,6 +18,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -99,6 +100,8 @@ public:
         if (a != b) cdt_.insert_constraint(a, b);
     }
 
+    void insert_point(const Point& point) { fixed_.insert(cdt_.insert({point.x(), point.y()})); }
+
     // \param outside  a point in each hole.
     void refine(const std::vector<Point>& outside) {
         for (const Point& point : outside) seeds_.emplace_back(point.x(), point.y());
@@ -176,7 +179,7 @@ private:
 
     // None for vertices that must stay where they are.
     std::optional<Cdt::Point> centroid_around(Cdt::Vertex_handle vertex) const {
-        if (cdt_.are_there_incident_constraints(vertex)) return std::nullopt;
+        if (cdt_.are_there_incident_constraints(vertex) || fixed_.contains(vertex)) return std::nullopt;
         double x = 0, y = 0, area = 0;
         Cdt::Face_circulator face = cdt_.incident_faces(vertex);
         const Cdt::Face_circulator last = face;
@@ -227,6 +230,7 @@ private:
     const TriangulationOptions& options_;
     Criteria criteria_;
     Cdt cdt_;
+    std::set<Cdt::Vertex_handle> fixed_;  // besides the ends of constraints; never walked through
     std::vector<Cdt::Point> seeds_;
 };
 
@@ -256,7 +260,9 @@ TriangleMesh triangulate(const Outline& outline, const std::vector<Polyline>& co
     try {
         MeshBuilder builder(max_edge, options);
         for (const Polyline& polygon : boundaries) builder.insert_polygon(polygon);
-        for (const Segment& s : clipped_constraints(constraints, boundaries, 0.1 * max_edge)) builder.insert_segment(s);
+        const ClippedConstraints clipped = clipped_constraints(constraints, boundaries, 0.1 * max_edge);
+        for (const Segment& s : clipped.segments) builder.insert_segment(s);
+        for (const Point& point : clipped.points) builder.insert_point(point);
         builder.refine(in_holes);
         return builder.mesh();
     } catch (const CGAL::Failure_exception&) {

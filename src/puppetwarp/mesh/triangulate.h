@@ -18,7 +18,8 @@ double default_max_edge_px(const Outline& outline);
 //! Triangles that cover `outline`, none with an edge longer than `options.max_edge_px`.
 //! \param constraints  open polylines that become edges of the mesh: bones, cage edges inside the outline. Parts
 //!        outside the outline or nearer to its boundary than a tenth of the longest edge are left out, because they
-//!        would force tiny triangles.
+//!        would force tiny triangles. A polyline of one point becomes a vertex, by the same rule; nearer than a
+//!        hundredth of the longest edge to another constraint, the vertex lies on that.
 //! \throw InvalidInput  the outline is empty, crosses or touches itself (says where), a coordinate is not finite,
 //!        `min_angle_deg` outside 0-30, `max_edge_px` negative or not finite, more than `max_vertices` would be needed,
 //!        parts so narrow for their length that round-off makes triangles flat.

@@ -79,15 +79,6 @@ std::vector<Segment> edges_of(const std::vector<Polyline>& polygons) {
     return edges;
 }
 
-Point meeting_point(const Segment& s, const Segment& t) {
-    for (const Point* shared : {&s.a, &s.b}) {
-        if (*shared == t.a || *shared == t.b) return *shared;
-    }
-    const double sine = cross(s.b - s.a, t.b - t.a);
-    if (sine == 0) return 0.5 * (s.a + s.b);
-    return s.a + (s.b - s.a) * std::clamp(cross(t.a - s.a, t.b - t.a) / sine, 0.0, 1.0);
-}
-
 void require_simple(const std::vector<Polyline>& polygons) {
     const std::vector<Segment> edges = edges_of(polygons);
     if (const auto pairs = meeting_pairs(edges); !pairs.empty()) {
@@ -103,6 +94,12 @@ void require_simple(const std::vector<Polyline>& polygons) {
     if (const auto twice = std::adjacent_find(corners.begin(), corners.end()); twice != corners.end()) {
         throw InvalidInput("outline", "it touches itself at " + text(*twice), "move its points apart there");
     }
+}
+
+Point nearest_on(const Segment& s, const Point& p) {
+    const Point way = s.b - s.a;
+    const double squared = way.squaredNorm();
+    return squared > 0 ? Point(s.a + std::clamp(way.dot(p - s.a) / squared, 0.0, 1.0) * way) : s.a;
 }
 
 // Where s + t (e - s), t in [0, 1], is closer than `radius` to the edge: one interval, as the surrounding of an edge
@@ -178,6 +175,38 @@ void clip(const Segment& s, const std::vector<Polyline>& boundaries, const std::
     }
 }
 
+// Whether a point lies inside, away from every edge.
+bool has_room(const Point& point, const std::vector<Polyline>& boundaries, const std::vector<Segment>& edges,
+              double clearance) {
+    return inside(boundaries, point) && std::none_of(edges.begin(), edges.end(), [&](const Segment& edge) {
+               return (nearest_on(edge, point) - point).norm() < clearance;
+           });
+}
+
+std::optional<Point> one_within(const std::vector<Point>& points, const Point& point, double distance) {
+    const auto found = std::find_if(points.begin(), points.end(),
+                                    [&](const Point& other) { return (other - point).norm() < distance; });
+    return found == points.end() ? std::nullopt : std::optional<Point>(*found);
+}
+
+// Makes a point a vertex, a little off its place where it almost lies on a segment: beside it, round-off would make
+// slivers. Where several segments pass, they meet or almost meet, and vertices are near in any case.
+// \return where the vertex is.
+Point take_in(const Point& point, double nearest, ClippedConstraints& kept) {
+    std::vector<std::size_t> passing;
+    for (std::size_t k = 0; k < kept.segments.size(); ++k) {
+        if ((nearest_on(kept.segments[k], point) - point).norm() < nearest) passing.push_back(k);
+    }
+    if (passing.empty()) kept.points.push_back(point);
+    if (passing.size() != 1) return point;
+    Segment& first = kept.segments[passing[0]];
+    Point middle = nearest_on(first, point);
+    const Segment second{middle, first.b};
+    first.b = middle;
+    kept.segments.push_back(second);
+    return middle;
+}
+
 }  // namespace
 
 std::vector<Polyline> sound_boundaries(const Outline& outline) {
@@ -199,31 +228,33 @@ std::vector<Polyline> sound_boundaries(const Outline& outline) {
     return boundaries;
 }
 
-std::vector<Segment> clipped_constraints(const std::vector<Polyline>& constraints,
-                                         const std::vector<Polyline>& boundaries, double clearance) {
+ClippedConstraints clipped_constraints(const std::vector<Polyline>& constraints,
+                                       const std::vector<Polyline>& boundaries, double clearance) {
     const std::vector<Segment> edges = edges_of(boundaries);
-    std::vector<Segment> kept;
+    ClippedConstraints kept;
+    std::vector<Point> lone;
     for (const Polyline& polyline : constraints) {
         require_finite(polyline, "constraint");
         for (std::size_t k = 0; k + 1 < polyline.size(); ++k) {
-            clip({polyline[k], polyline[k + 1]}, boundaries, edges, clearance, kept);
+            clip({polyline[k], polyline[k + 1]}, boundaries, edges, clearance, kept.segments);
         }
+        if (polyline.size() == 1 && has_room(polyline[0], boundaries, edges, clearance)) lone.push_back(polyline[0]);
     }
     std::vector<Point> ends;
-    const auto snapped = [&](Point& end) {
-        for (const Point& other : ends) {
-            if ((other - end).norm() < 0.1 * clearance) {
-                end = other;
-                return;
+    for (Segment& s : kept.segments) {
+        for (Point* end : {&s.a, &s.b}) {
+            if (const auto other = one_within(ends, *end, 0.1 * clearance)) {
+                *end = *other;
+            } else {
+                ends.push_back(*end);
             }
         }
-        ends.push_back(end);
-    };
-    for (Segment& s : kept) {
-        snapped(s.a);
-        snapped(s.b);
     }
-    std::erase_if(kept, [](const Segment& s) { return s.a == s.b; });
+    std::erase_if(kept.segments, [](const Segment& s) { return s.a == s.b; });
+    for (const Point& point : lone) {
+        if (one_within(ends, point, 0.1 * clearance)) continue;
+        ends.push_back(take_in(point, 0.1 * clearance, kept));
+    }
     return kept;
 }
 

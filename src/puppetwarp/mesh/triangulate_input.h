@@ -13,11 +13,18 @@ namespace puppetwarp {
 //! \throw InvalidInput  no area, a coordinate that is not finite, edges that cross or touch (says where).
 std::vector<Polyline> sound_boundaries(const Outline& outline);
 
+//! What a mesh has edges along and vertices at, besides its boundary.
+struct ClippedConstraints {
+    std::vector<Segment> segments;
+    std::vector<Point> points;  //!< on no segment
+};
+
 //! The parts of polylines that lie inside, at least `clearance` away from every boundary edge: closer ones would force
-//! needlessly small triangles. Endpoints nearer than a tenth of `clearance` to each other become one point.
+//! needlessly small triangles. A polyline of one point is a point. Endpoints and points nearer than a tenth of
+//! `clearance` to each other become one; a point so near to one segment divides it at the nearest place.
 //! \throw InvalidInput  a coordinate that is not finite.
-std::vector<Segment> clipped_constraints(const std::vector<Polyline>& constraints,
-                                         const std::vector<Polyline>& boundaries, double clearance);
+ClippedConstraints clipped_constraints(const std::vector<Polyline>& constraints,
+                                       const std::vector<Polyline>& boundaries, double clearance);
 
 //! A point inside the hole `polygon` and outside the components that lie in it, as far from edges as a few tries
 //! find; none when the hole has no room for a point.

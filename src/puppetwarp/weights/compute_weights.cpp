@@ -1,6 +1,7 @@
 #include <puppetwarp/weights/weights.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/weights/cage_coordinates.h>
 #include <puppetwarp/weights/shepard.h>
 #include <puppetwarp/weights/weight_domain.h>
 #include <puppetwarp/weights/weight_problem.h>
@@ -64,7 +65,9 @@ Weights compute_weights(const TriangleMesh& mesh, const Rig& rig, const WeightOp
     if (rig.handles.empty()) throw InvalidInput("rig", "has no handles", "add points, bones, regions or a cage");
     progress.step("weights", 0);
     Weights weights;
-    if (options.kind == WeightKind::shepard) {
+    if (is_closed_form(options.kind)) {
+        weights = cage_coordinates(mesh, rig, options.kind);
+    } else if (options.kind == WeightKind::shepard) {
         // What holds nothing of the mesh is refused in every kind.
         const WeightProblem problem(weight_domain(mesh, rig).mesh, rig);
         weights.columns = problem.conditions.columns;

@@ -110,6 +110,10 @@ double length_on_edges(const TriangleMesh& mesh, const Point& a, const Point& b)
     return length;
 }
 
+double distance_to_vertices(const TriangleMesh& mesh, const Point& p) {
+    return (mesh.V.rowwise() - p.transpose()).rowwise().norm().minCoeff();
+}
+
 Outline random_outline(std::mt19937& random) {
     Outline outline;
     outline.components.push_back({wavy_polygon(random, {300, 300}, 200, 90), {}});
@@ -223,10 +227,74 @@ TEST(Triangulate, TakesAwkwardBonesWithoutTinyTriangles) {
     EXPECT_GT(smallest, 0.05);
 }
 
+TEST(Triangulate, MakesPointsVertices) {
+    std::mt19937 random(21);
+    for (int round = 0; round < 10; ++round) {
+        SCOPED_TRACE(round);
+        const Outline outline = random_outline(random);
+        const std::vector<Polyline> constraints{{{300, 200}}, {{200, 400}, {400, 420}}, {{333.25, 400}}, {{701, 99}}};
+        for (const int smoothing : {0, 3}) {
+            const TriangleMesh mesh =
+                triangulate(outline, constraints, {.max_edge_px = 30, .optimize_iterations = smoothing});
+            expect_covers(mesh, outline);
+            for (const Polyline& constraint : constraints) {
+                if (constraint.size() > 1) continue;
+                EXPECT_EQ(distance_to_vertices(mesh, constraint[0]), 0);
+            }
+        }
+    }
+}
+
+TEST(Triangulate, PutsPointsThatAlmostLieOnABoneOntoIt) {
+    const Outline outline = rectangle_outline(400, 300);
+    const Point from(50, 61), to(330, 127);
+    const TriangleMesh plain = triangulate(outline, {{from, to}}, {.max_edge_px = 20});
+    for (const double off : {0.0, 1e-13, 1e-7, 0.19}) {
+        SCOPED_TRACE(off);
+        const Point normal = Point(from.y() - to.y(), to.x() - from.x()).normalized();
+        const Point foot = from + 0.3 * (to - from);
+        const TriangleMesh mesh =
+            triangulate(outline, {{foot + off * normal}, {from, to}, {from + off * normal}}, {.max_edge_px = 20});
+        expect_covers(mesh, outline);
+        EXPECT_LT(distance_to_vertices(mesh, foot), 1e-12);
+        EXPECT_NEAR(length_on_edges(mesh, from, to), (to - from).norm(), 1e-6);
+        EXPECT_LT(mesh.V.rows(), 1.1 * plain.V.rows());
+    }
+}
+
+TEST(Triangulate, LeavesPointsOutThatCrowdTheBoundary) {
+    const Outline outline = rectangle_outline(400, 300);
+    const TriangleMesh plain = triangulate(outline, {}, {.max_edge_px = 20});
+    const std::vector<Polyline> crowding{{{1.9, 100}}, {{0, 17}}, {{400, 300}}, {{-50, 20}}, {{200, 299}}};
+    EXPECT_EQ(triangulate(outline, crowding, {.max_edge_px = 20}).V, plain.V);
+    EXPECT_NE(triangulate(outline, {{{2.1, 107}}}, {.max_edge_px = 20}).V, plain.V);
+    EXPECT_THROW(triangulate(outline, {{{std::nan(""), 3}}}), InvalidInput);
+}
+
+TEST(Triangulate, TakesPointsInOnePlace) {
+    const Outline outline = rectangle_outline(400, 300);
+    const TriangleMesh mesh = triangulate(outline,
+                                          {{{100, 100}},
+                                           {{100, 100}},
+                                           {{100.1, 100.1}},  // nearly
+                                           {{150, 50}, {250, 150}},
+                                           {{150, 150}, {250, 50}},
+                                           {{200, 100}},        // where two bones cross
+                                           {{150.05, 150.0}}},  // where one begins, nearly
+                                          {.max_edge_px = 20});
+    expect_covers(mesh, outline);
+    for (const Point& place : {Point(100, 100), Point(200, 100), Point(150, 150)}) {
+        EXPECT_LT(distance_to_vertices(mesh, place), 1e-12);
+    }
+    double smallest = 1e300;
+    for (Eigen::Index t = 0; t < mesh.F.rows(); ++t) smallest = std::min(smallest, area_of(corners_of(mesh, t)));
+    EXPECT_GT(smallest, 1);
+}
+
 TEST(Triangulate, GivesTheSameMeshEachTime) {
     std::mt19937 random(9);
     const Outline outline = random_outline(random);
-    const std::vector<Polyline> bones{{{200, 400}, {400, 420}}};
+    const std::vector<Polyline> bones{{{200, 400}, {400, 420}}, {{300, 200}}};
     const TriangulationOptions options{.optimize_iterations = 2};
     const TriangleMesh first = triangulate(outline, bones, options);
     for (int round = 0; round < 3; ++round) {

@@ -59,6 +59,7 @@ int run(int argc, const char* const* argv) {
         add_warp_command(app, global, exit_code);
         add_mesh_command(app, global, exit_code);
         add_deform_command(app, global, exit_code);
+        add_weights_command(app, global, exit_code);
         add_diff_command(app, global, exit_code);
         add_compare_command(app, global, exit_code);
         add_info_command(app, global, exit_code);

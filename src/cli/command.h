@@ -24,6 +24,7 @@ enum ExitCode : int {
 void add_warp_command(CLI::App& app, const GlobalOptions& global, int& exit_code);
 void add_mesh_command(CLI::App& app, const GlobalOptions& global, int& exit_code);
 void add_deform_command(CLI::App& app, const GlobalOptions& global, int& exit_code);
+void add_weights_command(CLI::App& app, const GlobalOptions& global, int& exit_code);
 void add_diff_command(CLI::App& app, const GlobalOptions& global, int& exit_code);
 void add_compare_command(CLI::App& app, const GlobalOptions& global, int& exit_code);
 void add_info_command(CLI::App& app, const GlobalOptions& global, int& exit_code);

@@ -5,11 +5,10 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/output_file.h>
-#include <puppetwarp/image/read.h>
 #include <puppetwarp/mesh/mesh_file.h>
+#include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -26,6 +25,7 @@ struct DeformRequest {
     std::optional<std::string> arap_energy;
     std::optional<int> max_iterations;
     std::optional<double> tolerance;
+    WeightChoice weights;
     std::string output;
     GateOptions gates;
     bool force = false;
@@ -37,16 +37,8 @@ MethodOptions method_options(const DeformRequest& request, MethodOptions options
     if (request.arap_energy) options.arap_energy = arap_energy_from_name(*request.arap_energy);
     if (request.max_iterations) options.max_iterations = *request.max_iterations;
     if (request.tolerance) options.tolerance = *request.tolerance;
+    options.weights = request.weights.options(options.weights);
     return options;
-}
-
-// Stiffness pictures lie over the puppet's picture, which only they need here.
-Rig rig_of(const Puppet& puppet) {
-    const bool pictures = std::any_of(puppet.rig.stiffness.begin(), puppet.rig.stiffness.end(),
-                                      [](const auto& each) { return std::holds_alternative<StiffnessPicture>(each); });
-    if (!pictures || puppet.image.empty()) return load_rig(puppet, 0, 0);
-    const ImageInfo image = read_image_info(resolve(puppet, puppet.image));
-    return load_rig(puppet, image.width, image.height);
 }
 
 std::string csv_of(const Eigen::MatrixX2d& V) {
@@ -74,35 +66,28 @@ void write_positions(const TriangleMesh& mesh, const Eigen::MatrixX2d& moved, co
     }
 }
 
-double milliseconds_since(std::chrono::steady_clock::time_point& last) {
-    const auto now = std::chrono::steady_clock::now();
-    const std::chrono::duration<double, std::milli> elapsed = now - last;
-    last = now;
-    return elapsed.count();
-}
-
 int deform_mesh(const DeformRequest& request, const GlobalOptions& global) {
     require_known_extension(request.output);
-    auto last = std::chrono::steady_clock::now();
     RenderReport report;
+    StageTimer timer(report.timings_ms);
     const Puppet puppet = read_puppet(request.rig);
     std::vector<std::filesystem::path> inputs = input_files(request.rig, puppet);
     inputs.emplace_back(request.mesh);
     require_good_outputs({inputs, {request.output, request.report.file}, request.report.json}, request.force);
     const TriangleMesh mesh = read_mesh(request.mesh);
     if (puppet.rig.handles.empty()) throw InvalidInput(request.rig, "has no handles", "add at least one");
-    const Rig rig = rig_of(puppet);
+    const Rig rig = load_rig_for_mesh(puppet);
     const Pose pose = request.pose ? find_pose(puppet, *request.pose) : default_pose(puppet);
-    report.timings_ms.emplace_back("read", milliseconds_since(last));
+    timer.end("read");
     const MethodOptions options = method_options(request, puppet.method);
-    const std::unique_ptr<Deformer> deformer = make_deformer(options, mesh, rig);
-    report.timings_ms.emplace_back("bind", milliseconds_since(last));
     ProgressBar progress(global.quiet);
+    const std::unique_ptr<Deformer> deformer = make_deformer(options, mesh, rig, progress);
+    timer.end("bind");
     Deformation deformation = deformer->deform(pose, nullptr, progress);
-    report.timings_ms.emplace_back("deform", milliseconds_since(last));
+    timer.end("deform");
     describe(options, mesh, rig, deformation, report);
     write_positions(mesh, deformation.V, request.output);
-    report.timings_ms.emplace_back("write", milliseconds_since(last));
+    timer.end("write");
 
     if (!global.quiet) print_warnings(report);
     request.report.emit(report_json(report, false));
@@ -134,6 +119,7 @@ void add_deform_command(CLI::App& app, const GlobalOptions& global, int& exit_co
     deform->add_option("--tolerance", request->tolerance, "Relative change of energy to stop at (default 1e-8)")
         ->type_name("T")
         ->check(above_zero());
+    request->weights.add_to(*deform, "--weights");
     request->gates.add_to(*deform);
     deform->add_flag("--force", request->force, "Let the output replace the input");
     request->report.add_to(*deform);

@@ -129,6 +129,33 @@ CLI::Validator not_negative() {
             ""};
 }
 
+void WeightChoice::add_to(CLI::App& subcommand, const std::string& option) {
+    std::string kinds;
+    for (const std::string& name : weight_kind_names()) kinds += (kinds.empty() ? "" : ", ") + name;
+    const bool beside_method = option == "--weights";
+    subcommand
+        .add_option(option, kind,
+                    (beside_method ? "Of fast, lbs, dual-complex and intrinsic: " : "") + kinds +
+                        " (default: the puppet file's, else bbw)")
+        ->type_name("KIND");
+    subcommand
+        .add_option("--partition", partition,
+                    "Of bbw: coupled (default), weights sum to 1 in the minimisation, or normalised, afterwards")
+        ->type_name("P");
+    subcommand
+        .add_option("--l1-budget", l1_budget,
+                    "Of l1: largest integral of a weight, as a share of what it has without (0 to 1, default 0.5)")
+        ->type_name("S")
+        ->check(above_zero());
+}
+
+WeightOptions WeightChoice::options(WeightOptions usual) const {
+    if (kind) usual.kind = weight_kind_from_name(*kind);
+    if (partition) usual.partition = partition_from_name(*partition);
+    if (l1_budget) usual.l1_budget = *l1_budget;
+    return usual;
+}
+
 std::string method_list() {
     std::string list;
     for (const std::string& name : method_names()) list += (list.empty() ? "" : ", ") + name;

@@ -35,6 +35,18 @@ double parse_threshold(const std::string& text);
 CLI::Validator above_zero();
 CLI::Validator not_negative();
 
+//! Which weights a command was asked for.
+struct WeightChoice {
+    std::optional<std::string> kind;
+    std::optional<std::string> partition;
+    std::optional<double> l1_budget;
+
+    //! Adds `option KIND`, `--partition` and `--l1-budget`. \param option  `--weights` beside a method, `--kind` alone.
+    void add_to(CLI::App& subcommand, const std::string& option);
+    //! `usual` with what was asked for. \throw InvalidInput  unknown names.
+    WeightOptions options(WeightOptions usual) const;
+};
+
 //! The names of all methods, for help texts.
 std::string method_list();
 

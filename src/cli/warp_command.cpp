@@ -24,6 +24,7 @@ struct WarpRequest {
     std::optional<std::string> pose;
     std::optional<std::string> method;
     std::optional<std::string> arap_energy;
+    WeightChoice weights;
     std::string canvas = "keep";
     std::string interpolation = "bicubic";
     std::optional<std::string> background;
@@ -44,6 +45,7 @@ struct WarpRequest {
 void apply(const WarpRequest& request, Puppet& puppet, Pose& pose) {
     if (request.method) puppet.method.method = method_from_name(*request.method);
     if (request.arap_energy) puppet.method.arap_energy = arap_energy_from_name(*request.arap_energy);
+    puppet.method.weights = request.weights.options(puppet.method.weights);
     if (request.background) {
         background_from_name(*request.background);  // complains before any work
         puppet.background = request.background;
@@ -120,6 +122,7 @@ void add_method_options(CLI::App& warp, WarpRequest& request) {
         ->type_name("M");
     warp.add_option("--arap-energy", request.arap_energy, "elements (default), spokes, spokes-and-rims")
         ->type_name("E");
+    request.weights.add_to(warp, "--weights");
     warp.add_option("--pin-snap", request.pin_snap_px, "Move pins at most PX pixels outside the subject onto it")
         ->type_name("PX")
         ->check(not_negative());

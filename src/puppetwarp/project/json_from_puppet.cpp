@@ -132,8 +132,14 @@ Json method_json(const MethodOptions& method, const Json* old) {
     if (method.bending != usual.bending) json["bending"] = number(method.bending);
     if (method.tolerance != usual.tolerance) json["tolerance"] = method.tolerance;
     if (method.max_iterations != usual.max_iterations) json["max_iterations"] = method.max_iterations;
+    if (method.weights.kind != usual.weights.kind) json["weights"] = weight_kind_name(method.weights.kind);
+    if (method.weights.partition != usual.weights.partition) {
+        json["partition"] = partition_name(method.weights.partition);
+    }
+    if (method.weights.l1_budget != usual.weights.l1_budget) json["l1_budget"] = number(method.weights.l1_budget);
     keep_unknown(json, old,
-                 {"name", "arap_energy", "bending_length_px", "stretching", "bending", "tolerance", "max_iterations"});
+                 {"name", "arap_energy", "bending_length_px", "stretching", "bending", "tolerance", "max_iterations",
+                  "weights", "partition", "l1_budget"});
     return json;
 }
 

@@ -5,13 +5,13 @@
 #include <puppetwarp/project/distortion_colours.h>
 #include <puppetwarp/project/sheet_cell.h>
 #include <puppetwarp/project/sheet_layout.h>
+#include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/rig/snap.h>
 
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 
@@ -25,15 +25,6 @@ constexpr int most_columns = 64;
 const TextStyle header_style{12, true, {20, 20, 20}};
 const cv::Scalar paper(255, 255, 255);
 const cv::Scalar frame_colour(205, 205, 205);
-
-using Clock = std::chrono::steady_clock;
-
-double milliseconds_since(Clock::time_point& last) {
-    const Clock::time_point now = Clock::now();
-    const double elapsed = std::chrono::duration<double, std::milli>(now - last).count();
-    last = now;
-    return elapsed;
-}
 
 void require_sound(const MethodSheetOptions& options) {
     if (options.cell_px < smallest_cell_px || options.cell_px > largest_cell_px) {
@@ -70,11 +61,11 @@ MethodResult result_of(const LabelledMethod& method, const MethodSheet& sheet, c
     MethodResult result;
     result.label = method.label;
     try {
-        Clock::time_point last = Clock::now();
-        const std::unique_ptr<Deformer> deformer = make_deformer(method.options, sheet.mesh, sheet.rig);
-        result.report.timings_ms.emplace_back("bind", milliseconds_since(last));
+        StageTimer timer(result.report.timings_ms);
+        const std::unique_ptr<Deformer> deformer = make_deformer(method.options, sheet.mesh, sheet.rig, progress);
+        timer.end("bind");
         Deformation deformation = deformer->deform(pose, nullptr, progress);
-        result.report.timings_ms.emplace_back("deform", milliseconds_since(last));
+        timer.end("deform");
         describe(method.options, sheet.mesh, sheet.rig, deformation, result.report);
         result.moved = std::move(deformation.V);
     } catch (const InvalidInput& error) {
@@ -198,23 +189,24 @@ MethodSheet compare_methods(const Puppet& puppet, const Pose& pose, const Method
         throw InvalidInput("puppet", "has no pins and no handles", "add --pin X,Y or handles to the puppet file");
     }
     MethodSheet sheet;
-    Clock::time_point last = Clock::now();
-    const auto end_stage = [&](const char* stage) { sheet.timings_ms.emplace_back(stage, milliseconds_since(last)); };
+    StageTimer timer(sheet.timings_ms);
     progress.step("read", 0);
     const Image image = load_image(puppet, options.read);
-    end_stage("read");
+    timer.end("read");
     const Cutout cutout = cut_out_subject(puppet, image, options.read);
     const Outline outline = outline_subject(puppet, image.width(), image.height(), cutout);
-    end_stage("cutout");
-    sheet.mesh = mesh_subject(puppet, outline);
-    end_stage("triangulate");
+    timer.end("cutout");
+    const bool weighted = std::any_of(methods.begin(), methods.end(),
+                                      [](const LabelledMethod& each) { return uses_weights(each.options.method); });
+    sheet.mesh = weighted ? mesh_for_weights(puppet, outline) : mesh_subject(puppet, outline);
+    timer.end("triangulate");
     const Rig loaded = load_rig(puppet, image.width(), image.height(), options.read);
     sheet.rig = snapped(loaded, sheet.mesh, options.pin_snap_px);
     for (const LabelledMethod& method : methods) {
         sheet.methods.push_back(result_of(method, sheet, pose, progress));
     }
     require_some_result(sheet.methods, pose);
-    end_stage("compare");
+    timer.end("compare");
 
     sheet.pose = pose.name;
     choose_view(sheet);
@@ -224,7 +216,7 @@ MethodSheet compare_methods(const Puppet& puppet, const Pose& pose, const Method
     sheet.rows = layout.rows();
     sheet.image.pixels = draw_sheet(sheet, puppet, pose, apply_cutout(image, cutout), layout, options, progress);
     if (profile_fits(image.metadata.icc, 3)) sheet.image.metadata.icc = image.metadata.icc;
-    end_stage("draw");
+    timer.end("draw");
     return sheet;
 }
 

@@ -3,6 +3,7 @@
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/image/write.h>
 #include <puppetwarp/mesh/triangulate.h>
+#include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/rig/snap.h>
 #include <puppetwarp/warp/background.h>
@@ -19,22 +20,6 @@ namespace {
 constexpr int smallest_side_px = 4;
 
 // Measures stages one after the other into a report.
-class StageTimer {
-public:
-    explicit StageTimer(RenderReport& report) : report_(report) {}
-
-    //! The time since the last call, or since construction, belongs to `stage`.
-    void end(const std::string& stage) {
-        const auto now = std::chrono::steady_clock::now();
-        report_.timings_ms.emplace_back(stage, std::chrono::duration<double, std::milli>(now - last_).count());
-        last_ = now;
-    }
-
-private:
-    RenderReport& report_;
-    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
 CutoutSource source_from_name(const std::string& name) {
     if (name == "auto") return CutoutSource::automatic;
     if (name == "alpha") return CutoutSource::alpha;
@@ -60,9 +45,12 @@ void fill_small_holes(Outline& outline, double max_edge_px) {
 }
 
 // Where bones and cage edges run, the mesh has edges: a bone bends the picture along itself.
-std::vector<Polyline> mesh_constraints(const Rig& rig) {
+// \param points  whether points become vertices, which weights hold.
+std::vector<Polyline> mesh_constraints(const Rig& rig, bool points) {
     std::vector<Polyline> constraints;
     for (const Handle& handle : rig.handles) {
+        const auto* point = std::get_if<PointHandle>(&handle.shape);
+        if (point != nullptr && points) constraints.push_back({point->at});
         if (const auto* bone = std::get_if<BoneHandle>(&handle.shape)) {
             constraints.push_back({bone->from, bone->to});
         } else if (const auto* cage = std::get_if<CageHandle>(&handle.shape)) {
@@ -101,7 +89,7 @@ struct Solved {
 
 Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, const Cutout& cutout,
              const RenderOptions& options, RenderReport& report, Progress& progress) {
-    StageTimer timer(report);
+    StageTimer timer(report.timings_ms);
     const Outline outline = outline_subject(puppet, width, height, cutout);
     timer.end("cutout");
     Solved solved;
@@ -171,7 +159,12 @@ Outline outline_subject(const Puppet& puppet, int width, int height, const Cutou
 }
 
 TriangleMesh mesh_subject(const Puppet& puppet, const Outline& outline) {
-    return triangulate(outline, mesh_constraints(puppet.rig), triangulation_options(puppet, outline));
+    if (uses_weights(puppet.method.method)) return mesh_for_weights(puppet, outline);
+    return triangulate(outline, mesh_constraints(puppet.rig, false), triangulation_options(puppet, outline));
+}
+
+TriangleMesh mesh_for_weights(const Puppet& puppet, const Outline& outline) {
+    return triangulate(outline, mesh_constraints(puppet.rig, true), triangulation_options(puppet, outline));
 }
 
 Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
@@ -200,13 +193,13 @@ Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& opt
     }
     Rendered rendered;
     RenderReport& report = rendered.report;
-    StageTimer timer(report);
+    StageTimer timer(report.timings_ms);
     progress.step("read", 0);
     const Image image = load_image(puppet, options.read);
     timer.end("read");
     const Cutout cutout = cut_out_subject(puppet, image, options.read);
     Solved solved = solve(puppet, pose, image.width(), image.height(), cutout, options, report, progress);
-    StageTimer warp_timer(report);
+    StageTimer warp_timer(report.timings_ms);
     rendered.image = draw_subject(puppet, image, cutout, solved.mesh, solved.moved, options, report, progress);
     warp_timer.end("warp");
     rendered.mesh = std::move(solved.mesh);

@@ -29,8 +29,12 @@ Cutout cut_out_subject(const Puppet& puppet, const Image& image, const ReadOptio
 //! The outline of the subject; the rectangle of a whole picture.
 Outline outline_subject(const Puppet& puppet, int width, int height, const Cutout& cutout);
 
-//! Triangles over the outline, with bones and cage edges as edges. \throw InvalidInput  `triangulate`.
+//! Triangles over the outline, with bones and cage edges as edges; for a method that uses weights, `mesh_for_weights`.
+//! \throw InvalidInput  `triangulate`.
 TriangleMesh mesh_subject(const Puppet& puppet, const Outline& outline);
+
+//! The same, with points as vertices, which weights hold. \throw InvalidInput  `triangulate`.
+TriangleMesh mesh_for_weights(const Puppet& puppet, const Outline& outline);
 
 //! Which part of image space the result shows.
 struct CanvasChoice {

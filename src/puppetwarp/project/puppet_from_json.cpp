@@ -106,6 +106,14 @@ MethodOptions read_method(const JsonReader& json) {
         method.max_iterations = most->integer();
         if (method.max_iterations < 1) most->fail("must be at least 1");
     }
+    if (const auto kind = json.find("weights")) method.weights.kind = named(*kind, weight_kind_from_name);
+    if (const auto partition = json.find("partition")) {
+        method.weights.partition = named(*partition, partition_from_name);
+    }
+    if (const auto budget = json.find("l1_budget")) {
+        method.weights.l1_budget = budget->number_in(0, 1);
+        if (!(method.weights.l1_budget > 0)) budget->fail("must be above 0");
+    }
     return method;
 }
 

@@ -2,6 +2,8 @@
 
 #include <opencv2/core.hpp>
 
+#include <algorithm>
+
 namespace puppetwarp {
 
 namespace {
@@ -35,6 +37,14 @@ Rig load_rig(const Puppet& puppet, int width, int height, const ReadOptions& rea
         picture->height_px = height > 0 ? height : picture->grey.rows;
     }
     return rig;
+}
+
+Rig load_rig_for_mesh(const Puppet& puppet) {
+    const bool pictures = std::any_of(puppet.rig.stiffness.begin(), puppet.rig.stiffness.end(),
+                                      [](const auto& each) { return std::holds_alternative<StiffnessPicture>(each); });
+    if (!pictures || puppet.image.empty()) return load_rig(puppet, 0, 0);
+    const ImageInfo image = read_image_info(resolve(puppet, puppet.image));
+    return load_rig(puppet, image.width, image.height);
 }
 
 }  // namespace puppetwarp

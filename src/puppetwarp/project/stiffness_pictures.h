@@ -10,4 +10,8 @@ namespace puppetwarp {
 //! \throw InvalidInput  `read_image`.
 Rig load_rig(const Puppet& puppet, int width, int height, const ReadOptions& read = {});
 
+//! The same for a mesh that was given as a file: stiffness pictures lie over the puppet's own picture where it has one.
+//! \throw InvalidInput  `read_image`, `read_image_info`.
+Rig load_rig_for_mesh(const Puppet& puppet);
+
 }  // namespace puppetwarp

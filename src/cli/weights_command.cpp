@@ -1,0 +1,179 @@
+#include "command.h"
+#include "options.h"
+#include "report.h"
+#include "terminal.h"
+
+#include <puppetwarp/base/errors.h>
+#include <puppetwarp/base/output_file.h>
+#include <puppetwarp/image/write.h>
+#include <puppetwarp/mesh/mesh_file.h>
+#include <puppetwarp/project/stage_timer.h>
+#include <puppetwarp/project/stiffness_pictures.h>
+#include <puppetwarp/project/weight_sheet.h>
+#include <puppetwarp/rig/snap.h>
+#include <puppetwarp/weights/weight_text.h>
+
+#include <memory>
+#include <optional>
+
+namespace puppetwarp::cli {
+
+namespace {
+
+// What `weights` was asked for, as typed.
+struct WeightsRequest {
+    std::string input;
+    std::optional<std::string> rig;
+    std::vector<std::string> pins;
+    WeightChoice choice;
+    std::string output;
+    double pin_snap_px = 0;
+    WeightSheetOptions sheet;
+    bool force = false;
+    ReportOptions report;
+};
+
+enum class OutputFormat { csv, dmat, picture };
+
+OutputFormat format_of(const std::string& output) {
+    const std::string extension = std::filesystem::path(output).extension().string();
+    if (output == "-" || extension == ".csv") return OutputFormat::csv;
+    if (extension == ".dmat") return OutputFormat::dmat;
+    try {
+        output_format(output);
+    } catch (const InvalidInput&) {
+        throw InvalidInput(output, "the extension says no format of weights", "use .csv, .dmat or that of a picture");
+    }
+    return OutputFormat::picture;
+}
+
+// What weights are made for.
+struct Subject {
+    TriangleMesh mesh;
+    Rig rig;
+    WeightOptions options;
+};
+
+bool is_mesh_file(const std::filesystem::path& path) {
+    const std::string extension = path.extension().string();
+    return extension == ".off" || extension == ".obj";
+}
+
+Subject subject_of_mesh(const WeightsRequest& request) {
+    if (!request.rig) {
+        throw InvalidInput(request.input, "a mesh has no handles of its own", "add --rig PUPPET");
+    }
+    Puppet puppet = read_puppet(*request.rig);
+    Pose pose;
+    add_pins(puppet, pose, request.pins);
+    require_sound(puppet.rig);
+    std::vector<std::filesystem::path> inputs = input_files(*request.rig, puppet);
+    inputs.emplace_back(request.input);
+    require_good_outputs({inputs, {request.output, request.report.file}, request.report.json}, request.force);
+    const TriangleMesh mesh = read_mesh(request.input);
+    return {mesh, snapped(load_rig_for_mesh(puppet), mesh, request.pin_snap_px),
+            request.choice.options(puppet.method.weights)};
+}
+
+Subject subject_of_picture(const WeightsRequest& request) {
+    if (request.rig) throw InvalidInput("--rig", "goes with a mesh", "a puppet file has its own handles");
+    Puppet puppet = open_puppet(request.input);
+    Pose pose;
+    add_pins(puppet, pose, request.pins);
+    require_sound(puppet.rig);
+    require_good_outputs(
+        {input_files(request.input, puppet), {request.output, request.report.file}, request.report.json},
+        request.force);
+    const Image image = load_image(puppet);
+    const Cutout cutout = cut_out_subject(puppet, image);
+    const Outline outline = outline_subject(puppet, image.width(), image.height(), cutout);
+    const TriangleMesh mesh = mesh_for_weights(puppet, outline);
+    const Rig rig = load_rig(puppet, image.width(), image.height());
+    return {mesh, snapped(rig, mesh, request.pin_snap_px), request.choice.options(puppet.method.weights)};
+}
+
+Json weights_json(const Subject& subject, const Weights& weights, const RenderReport& times) {
+    Json json;
+    json["kind"] = weight_kind_name(subject.options.kind);
+    if (subject.options.kind == WeightKind::bbw) json["partition"] = partition_name(subject.options.partition);
+    json["vertices"] = weights.W.rows();
+    json["handles"] = subject.rig.handles.size();
+    json["columns"] = weights.columns.size();
+    json["iterations"] = weights.iterations;
+    json["converged"] = weights.converged;
+    json["min"] = weights.W.minCoeff();
+    json["max"] = weights.W.maxCoeff();
+    json["partition_error"] = weights.partition_error;
+    json["kkt_residual"] = weights.kkt_residual;
+    json["fallback"] = weights.fallback.empty() ? Json(nullptr) : Json(weights.fallback);
+    json["warnings"] = weights.warnings;
+    json["timings_ms"] = report_json(times, false)["timings_ms"];
+    return json;
+}
+
+void write_weights(const Subject& subject, const Weights& weights, const WeightsRequest& request, Progress& progress) {
+    switch (format_of(request.output)) {
+        case OutputFormat::csv: write_file(request.output, weights_csv(subject.rig, weights)); break;
+        case OutputFormat::dmat: write_file(request.output, weights_dmat(weights)); break;
+        case OutputFormat::picture:
+            const std::string title = std::filesystem::path(request.input).filename().string() + ", " +
+                                      weight_kind_name(subject.options.kind) + " weights";
+            write_image(draw_weight_sheet(subject.mesh, subject.rig, weights, title, request.sheet, progress),
+                        request.output);
+            break;
+    }
+}
+
+int make_weights(const WeightsRequest& request, const GlobalOptions& global) {
+    format_of(request.output);  // complains before any work
+    RenderReport times;
+    StageTimer timer(times.timings_ms);
+    const Subject subject = is_mesh_file(request.input) ? subject_of_mesh(request) : subject_of_picture(request);
+    timer.end("read");
+    ProgressBar progress(global.quiet);
+    const Weights weights = compute_weights(subject.mesh, subject.rig, subject.options, progress);
+    timer.end("weights");
+    write_weights(subject, weights, request, progress);
+    timer.end("write");
+    times.warnings = weights.warnings;
+    if (!global.quiet) print_warnings(times);
+    request.report.emit(weights_json(subject, weights, times));
+    if (global.verbose) print_timings(times);
+    return done;
+}
+
+}  // namespace
+
+void add_weights_command(CLI::App& app, const GlobalOptions& global, int& exit_code) {
+    CLI::App* weights =
+        add_subcommand(app, "weights", "Compute how much each vertex follows each handle, as numbers or as heat maps",
+                       "puppetwarp weights gingerbread.puppet.json --kind bbw -o weights.png\n"
+                       "  puppetwarp weights mesh.off --rig rig.puppet.json --kind harmonic -o weights.csv");
+    const auto request = std::make_shared<WeightsRequest>();
+    weights->add_option("input", request->input, "A mesh (.off, .obj), a picture, or a puppet file (.json)")
+        ->required()
+        ->type_name("MESH|IMAGE|PUPPET");
+    weights
+        ->add_option("-o,--output", request->output,
+                     "Numbers (.csv, .dmat) or a sheet of heat maps, a picture; - is CSV to standard output")
+        ->required()
+        ->type_name("OUT");
+    weights->add_option("--rig", request->rig, "A puppet file with handles, for a mesh")->type_name("PUPPET");
+    weights->add_option("--pin", request->pins, "A point handle at X,Y; again for more")
+        ->type_name("X,Y")
+        ->allow_extra_args(false);
+    request->choice.add_to(*weights, "--kind");
+    weights->add_option("--pin-snap", request->pin_snap_px, "Move pins at most PX pixels outside the subject onto it")
+        ->type_name("PX")
+        ->check(not_negative());
+    weights->add_option("--columns", request->sheet.columns, "Heat maps in a row (default: a sheet of about 3 to 2)")
+        ->type_name("N")
+        ->check(above_zero());
+    weights->add_option("--cell-px", request->sheet.cell_px, "Longer side of each map, 120 to 2000 (default 320)")
+        ->type_name("N");
+    weights->add_flag("--force", request->force, "Let the output replace the input");
+    request->report.add_to(*weights);
+    weights->callback([request, &global, &exit_code] { exit_code = make_weights(*request, global); });
+}
+
+}  // namespace puppetwarp::cli

@@ -2,6 +2,7 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/weights/cage_coordinates.h>
+#include <puppetwarp/weights/monotonic.h>
 #include <puppetwarp/weights/shepard.h>
 #include <puppetwarp/weights/weight_domain.h>
 #include <puppetwarp/weights/weight_problem.h>
@@ -23,13 +24,14 @@ void require_sound(const WeightOptions& options) {
     }
 }
 
-WeightSolution solve(const WeightProblem& problem, const WeightOptions& options, Progress&) {
+WeightSolution solve(const WeightProblem& problem, const WeightOptions& options, Progress& progress) {
     switch (options.kind) {
         case WeightKind::harmonic:
         case WeightKind::harmonic_cage:
             return {unbounded_weights(cotangent_stiffness(problem.mesh), problem.conditions), {}, true, 0, {}};
         case WeightKind::biharmonic:
             return {unbounded_weights(laplacian_energy(problem), problem.conditions), {}, true, 0, {}};
+        case WeightKind::monotonic: return monotonic_weights(problem, options, progress);
         default: break;
     }
     throw InvalidInput("weights", "not made yet");

@@ -81,7 +81,8 @@ int deform_mesh(const DeformRequest& request, const GlobalOptions& global) {
     timer.end("read");
     const MethodOptions options = method_options(request, puppet.method);
     ProgressBar progress(global.quiet);
-    const std::unique_ptr<Deformer> deformer = make_deformer(options, mesh, rig, progress);
+    const std::unique_ptr<Deformer> deformer =
+        bound_deformer(options, mesh, rig, request.weights.cache_beside(request.rig), progress);
     timer.end("bind");
     Deformation deformation = deformer->deform(pose, nullptr, progress);
     timer.end("deform");

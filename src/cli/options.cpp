@@ -3,6 +3,7 @@
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/input_file.h>
 #include <puppetwarp/base/output_file.h>
+#include <puppetwarp/project/weights_cache.h>
 
 #include <algorithm>
 #include <charconv>
@@ -147,6 +148,13 @@ void WeightChoice::add_to(CLI::App& subcommand, const std::string& option) {
                     "Of l1: largest integral of a weight, as a share of what it has without (0 to 1, default 0.5)")
         ->type_name("S")
         ->check(above_zero());
+    subcommand.add_flag("--no-cache", no_cache,
+                        "Neither use nor write NAME.puppet.weights, which keeps bbw, l1 and monotonic weights beside "
+                        "the puppet file");
+}
+
+fs::path WeightChoice::cache_beside(const fs::path& input) const {
+    return no_cache || !is_puppet_file(input) ? fs::path() : weights_cache_path(input);
 }
 
 WeightOptions WeightChoice::options(WeightOptions usual) const {

@@ -40,11 +40,15 @@ struct WeightChoice {
     std::optional<std::string> kind;
     std::optional<std::string> partition;
     std::optional<double> l1_budget;
+    bool no_cache = false;
 
-    //! Adds `option KIND`, `--partition` and `--l1-budget`. \param option  `--weights` beside a method, `--kind` alone.
+    //! Adds `option KIND`, `--partition`, `--l1-budget` and `--no-cache`. \param option  `--weights` beside a method,
+    //! `--kind` alone.
     void add_to(CLI::App& subcommand, const std::string& option);
     //! `usual` with what was asked for. \throw InvalidInput  unknown names.
     WeightOptions options(WeightOptions usual) const;
+    //! Where weights are kept beside a puppet file; empty for a picture, and with `--no-cache`.
+    std::filesystem::path cache_beside(const std::filesystem::path& input) const;
 };
 
 //! The names of all methods, for help texts.

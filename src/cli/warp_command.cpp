@@ -84,6 +84,7 @@ int warp_picture(const WarpRequest& request, const GlobalOptions& global) {
     options.interpolation = interpolation_from_name(request.interpolation);
     options.canvas = parse_canvas(request.canvas);
     options.pin_snap_px = request.pin_snap_px;
+    options.weights_cache = request.weights.cache_beside(request.input);
     options.format = output_format(request.output);
 
     Puppet puppet = open_puppet(request.input);

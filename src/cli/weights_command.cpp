@@ -10,6 +10,7 @@
 #include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/project/weight_sheet.h>
+#include <puppetwarp/project/weights_cache.h>
 #include <puppetwarp/rig/snap.h>
 #include <puppetwarp/weights/weight_text.h>
 
@@ -131,7 +132,8 @@ int make_weights(const WeightsRequest& request, const GlobalOptions& global) {
     const Subject subject = is_mesh_file(request.input) ? subject_of_mesh(request) : subject_of_picture(request);
     timer.end("read");
     ProgressBar progress(global.quiet);
-    const Weights weights = compute_weights(subject.mesh, subject.rig, subject.options, progress);
+    const Weights weights = cached_weights(subject.mesh, subject.rig, subject.options,
+                                           request.choice.cache_beside(request.rig.value_or(request.input)), progress);
     timer.end("weights");
     write_weights(subject, weights, request, progress);
     timer.end("write");

@@ -5,6 +5,7 @@
 #include <puppetwarp/mesh/triangulate.h>
 #include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
+#include <puppetwarp/project/weights_cache.h>
 #include <puppetwarp/rig/snap.h>
 #include <puppetwarp/warp/background.h>
 
@@ -96,7 +97,8 @@ Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, cons
     solved.mesh = mesh_subject(puppet, outline);
     timer.end("triangulate");
     solved.rig = snapped(load_rig(puppet, width, height, options.read), solved.mesh, options.pin_snap_px);
-    const std::unique_ptr<Deformer> deformer = make_deformer(puppet.method, solved.mesh, solved.rig, progress);
+    const std::unique_ptr<Deformer> deformer =
+        bound_deformer(puppet.method, solved.mesh, solved.rig, options.weights_cache, progress);
     timer.end("bind");
     Deformation deformation = deformer->deform(pose, nullptr, progress);
     timer.end("deform");
@@ -107,6 +109,12 @@ Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, cons
 }
 
 }  // namespace
+
+std::unique_ptr<Deformer> bound_deformer(const MethodOptions& method, const TriangleMesh& mesh, const Rig& rig,
+                                         const std::filesystem::path& weights_cache, Progress& progress) {
+    if (!uses_weights(method.method)) return make_deformer(method, mesh, rig, progress);
+    return make_deformer(method, mesh, rig, cached_weights(mesh, rig, method.weights, weights_cache, progress));
+}
 
 void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& rig, const Deformation& deformation,
               RenderReport& report) {

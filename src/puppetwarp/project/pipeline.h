@@ -11,6 +11,7 @@
 #include <puppetwarp/project/puppet.h>
 #include <puppetwarp/warp/warp.h>
 
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,7 +47,8 @@ struct RenderOptions {
     ReadOptions read;
     Interpolation interpolation = Interpolation::bicubic;
     CanvasChoice canvas;
-    double pin_snap_px = 0;  //!< points at most this far outside the subject are moved onto it
+    double pin_snap_px = 0;               //!< points at most this far outside the subject are moved onto it
+    std::filesystem::path weights_cache;  //!< `weights_cache_path` of the puppet's file, or empty: weights are not kept
     std::string format;  //!< the file format the result is meant for (`output_format`), or empty: none in particular
 };
 
@@ -67,6 +69,11 @@ struct RenderReport {
     std::vector<std::string> lost;                           //!< what `format` cannot hold, as phrases
     std::vector<std::pair<std::string, double>> timings_ms;  //!< stages in their order
 };
+
+//! `make_deformer`, its weights `cached_weights`.
+//! \param weights_cache  see `RenderOptions`.
+std::unique_ptr<Deformer> bound_deformer(const MethodOptions& method, const TriangleMesh& mesh, const Rig& rig,
+                                         const std::filesystem::path& weights_cache, Progress& progress);
 
 //! Fills in what a report says of a deformation: method, sizes, convergence, distortion.
 //! \throw InvalidInput  a position is not finite: the mesh is too bad to compute with.

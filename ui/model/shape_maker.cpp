@@ -27,10 +27,13 @@ std::string subject_key(const Puppet& puppet) {
 std::string mesh_key(const Puppet& puppet) {
     Puppet part;
     part.mesh = puppet.mesh;
+    // Bones and cages become edges; points become vertices where weights hold them.
+    const bool points = uses_weights(puppet.method.method);
     for (const Handle& handle : puppet.rig.handles) {
         const bool edges =
             std::holds_alternative<BoneHandle>(handle.shape) || std::holds_alternative<CageHandle>(handle.shape);
-        if (edges) part.rig.handles.push_back(handle);
+        const bool vertex = points && std::holds_alternative<PointHandle>(handle.shape);
+        if (edges || vertex) part.rig.handles.push_back(handle);
     }
     return to_json(part);
 }
@@ -131,9 +134,9 @@ void ShapeMaker::update_solver(const Puppet& puppet, Progress& progress) {
     if (solver_ && method == method_key_ && handles == rig_key_) return;
     progress.step("bind", 0);
     if (solver_ && method == method_key_) {
-        solver_->set_rig(rig(puppet));
+        solver_->set_rig(rig(puppet), progress);
     } else {
-        solver_ = std::make_unique<InteractiveSolver>(puppet.method, *mesh_, rig(puppet), pace_.metric_worker);
+        solver_ = std::make_unique<InteractiveSolver>(puppet.method, *mesh_, rig(puppet), pace_.metric_worker, progress);
         begun_ = false;
     }
     method_key_ = std::move(method);

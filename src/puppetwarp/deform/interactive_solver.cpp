@@ -10,24 +10,24 @@ namespace puppetwarp {
 // One of two: a drag of a variational method, or a deformer that answers at once.
 class InteractiveSolver::Impl {
 public:
-    Impl(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig, bool worker)
+    Impl(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig, bool worker, Progress& progress)
         : options_(options), mesh_(mesh), rig_(rig) {
         if (is_variational(options.method)) {
             require_sound(mesh, "mesh");
             require_sound(rig);
             drag_ = std::make_unique<Drag>(std::make_shared<VariationalProblem>(options, mesh, rig), worker);
         } else {
-            deformer_ = make_deformer(options, mesh, rig);
+            deformer_ = make_deformer(options, mesh, rig, progress);
         }
     }
 
-    void set_rig(const Rig& rig) {
+    void set_rig(const Rig& rig, Progress& progress) {
         if (drag_) {
             require_sound(rig);
             drag_->set_problem(std::make_shared<VariationalProblem>(drag_->problem(), rig));
         } else {
             std::unique_ptr<Deformer> next = deformer_->with_rig(rig);
-            deformer_ = next ? std::move(next) : make_deformer(options_, mesh_, rig);
+            deformer_ = next ? std::move(next) : make_deformer(options_, mesh_, rig, progress);
         }
         rig_ = rig;
     }
@@ -77,12 +77,22 @@ private:
 };
 
 InteractiveSolver::InteractiveSolver(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig,
-                                     bool worker)
-    : impl_(std::make_unique<Impl>(options, mesh, rig, worker)) {}
+                                     bool worker) {
+    Progress nobody;
+    impl_ = std::make_unique<Impl>(options, mesh, rig, worker, nobody);
+}
+InteractiveSolver::InteractiveSolver(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig,
+                                     bool worker, Progress& progress)
+    : impl_(std::make_unique<Impl>(options, mesh, rig, worker, progress)) {}
 InteractiveSolver::~InteractiveSolver() = default;
 
 void InteractiveSolver::set_rig(const Rig& rig) {
-    impl_->set_rig(rig);
+    Progress nobody;
+    impl_->set_rig(rig, nobody);
+}
+
+void InteractiveSolver::set_rig(const Rig& rig, Progress& progress) {
+    impl_->set_rig(rig, progress);
 }
 
 InteractiveFrame InteractiveSolver::advance(const Pose& pose, double budget_ms) {

@@ -31,6 +31,9 @@ public:
     //!                on timing, as long as budgets are large.
     //! \throw InvalidInput  as `make_deformer`.
     InteractiveSolver(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig, bool worker = true);
+    //! \param progress  hears of `weights`, which may take seconds; may cancel.   \throw Cancelled
+    InteractiveSolver(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig, bool worker,
+                      Progress& progress);
     ~InteractiveSolver();
     InteractiveSolver(const InteractiveSolver&) = delete;
     InteractiveSolver& operator=(const InteractiveSolver&) = delete;
@@ -39,6 +42,8 @@ public:
     //! few solves; where vertices or regions changed, the factor is made anew. \throw InvalidInput  as `make_deformer`;
     //! nothing has changed then.
     void set_rig(const Rig& rig);
+    //! \param progress  as of the constructor.   \throw Cancelled  nothing has changed then.
+    void set_rig(const Rig& rig, Progress& progress);
 
     //! Brings the handles to where the pose has them, and the rest after them, until settled or the time is over.
     //! Called again with the same pose it goes on until converged.

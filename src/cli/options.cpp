@@ -145,7 +145,7 @@ void WeightChoice::add_to(CLI::App& subcommand, const std::string& option) {
         ->type_name("P");
     subcommand
         .add_option("--l1-budget", l1_budget,
-                    "Of l1: largest integral of a weight, as a share of what it has without (0 to 1, default 0.5)")
+                    "Of l1: largest integral of a weight, as a share of what it has without (0 to 1, default 0.8)")
         ->type_name("S")
         ->check(above_zero());
     subcommand.add_flag("--no-cache", no_cache,

@@ -1,12 +1,15 @@
 #include <puppetwarp/weights/weights.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/weights/bounded_biharmonic.h>
 #include <puppetwarp/weights/cage_coordinates.h>
+#include <puppetwarp/weights/l1.h>
 #include <puppetwarp/weights/monotonic.h>
 #include <puppetwarp/weights/shepard.h>
 #include <puppetwarp/weights/weight_domain.h>
 #include <puppetwarp/weights/weight_problem.h>
 
+#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -26,15 +29,15 @@ void require_sound(const WeightOptions& options) {
 
 WeightSolution solve(const WeightProblem& problem, const WeightOptions& options, Progress& progress) {
     switch (options.kind) {
-        case WeightKind::harmonic:
-        case WeightKind::harmonic_cage:
-            return {unbounded_weights(cotangent_stiffness(problem.mesh), problem.conditions), {}, true, 0, {}};
         case WeightKind::biharmonic:
             return {unbounded_weights(laplacian_energy(problem), problem.conditions), {}, true, 0, {}};
+        case WeightKind::bbw: return bounded_biharmonic_weights(problem, options, progress);
+        case WeightKind::l1: return l1_weights(problem, options, progress);
         case WeightKind::monotonic: return monotonic_weights(problem, options, progress);
         default: break;
     }
-    throw InvalidInput("weights", "not made yet");
+    assert(options.kind == WeightKind::harmonic || options.kind == WeightKind::harmonic_cage);
+    return {unbounded_weights(cotangent_stiffness(problem.mesh), problem.conditions), {}, true, 0, {}};
 }
 
 // The families that are solved on a mesh.

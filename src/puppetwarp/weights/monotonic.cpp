@@ -2,6 +2,7 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/solve/ordered_qp.h>
+#include <puppetwarp/weights/row_sums.h>
 
 #include <algorithm>
 #include <cmath>
@@ -173,8 +174,7 @@ WeightSolution monotonic_functions(const WeightProblem& problem, const WeightOpt
 
 WeightSolution monotonic_weights(const WeightProblem& problem, const WeightOptions& options, Progress& progress) {
     WeightSolution solution = monotonic_functions(problem, options, progress);
-    const Eigen::VectorXd sums = solution.W.rowwise().sum();
-    solution.W = sums.cwiseInverse().asDiagonal() * solution.W;
+    divide_by_row_sums(problem.mesh, solution.W);
     return solution;
 }
 

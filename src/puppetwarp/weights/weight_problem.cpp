@@ -6,14 +6,15 @@
 #include <puppetwarp/weights/weight_conditions.h>
 
 #include <optional>
+#include <utility>
 
 namespace puppetwarp {
 
 WeightProblem::WeightProblem(const TriangleMesh& domain, const Rig& all)
-    : mesh(domain),
-      rig(all),
-      stiffness(triangle_stiffness(mesh, rig.stiffness)),
-      conditions(weight_conditions(mesh, rig)) {}
+    : WeightProblem(domain, all, weight_conditions(domain, all)) {}
+
+WeightProblem::WeightProblem(const TriangleMesh& domain, const Rig& all, WeightConditions given)
+    : mesh(domain), rig(all), stiffness(triangle_stiffness(mesh, rig.stiffness)), conditions(std::move(given)) {}
 
 std::vector<WeightColumn> weight_columns(const Rig& rig) {
     std::vector<WeightColumn> columns;

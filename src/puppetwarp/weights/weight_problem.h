@@ -27,6 +27,8 @@ struct WeightProblem {
     //! \throw InvalidInput  see `compute_weights`.
     //! \pre require_sound(mesh), require_sound(rig); the edges of cages are edges of the mesh.
     WeightProblem(const TriangleMesh& mesh, const Rig& rig);
+    //! The same handles with what they hold given.
+    WeightProblem(const TriangleMesh& mesh, const Rig& rig, WeightConditions conditions);
 };
 
 //! What the solver of a family found.

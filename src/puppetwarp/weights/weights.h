@@ -35,7 +35,7 @@ struct WeightOptions {
     Partition partition = Partition::coupled;
     double tolerance = 1e-8;   //!< largest KKT residual of `bbw`, `l1` and `monotonic` that counts as solved, above 0
     int max_iterations = 200;  //!< of those, at least 1; stopping here is `converged = false`
-    double l1_budget = 0.5;    //!< of `l1`: largest integral of a weight, as a share of what it has unbounded; (0, 1]
+    double l1_budget = 0.8;    //!< of `l1`: largest integral of a weight, as a share of what it has unbounded; (0, 1]
 };
 
 //! Names of all kinds, in the order of `WeightKind`.

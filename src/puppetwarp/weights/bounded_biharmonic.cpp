@@ -1,0 +1,137 @@
+#include <puppetwarp/weights/bounded_biharmonic.h>
+
+#include <puppetwarp/base/errors.h>
+#include <puppetwarp/solve/box_qp.h>
+#include <puppetwarp/solve/simplex_qp.h>
+#include <puppetwarp/weights/coarse_levels.h>
+#include <puppetwarp/weights/row_sums.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace puppetwarp {
+
+namespace {
+
+// What is carried from a coarse mesh and below this is taken for 0: a weight rises from 0 by its second derivative.
+constexpr double support_threshold = 1e-4;
+
+[[noreturn]] void refuse_triangles() {
+    throw InvalidInput("mesh", "its triangles are too thin or too different in size to compute weights with",
+                       "use a mesh with better triangles");
+}
+
+// A guess as a start for active sets: what is near a bound is at it.
+template <typename Matrix>
+void snap_to_bounds(Matrix& W) {
+    W = (W.array() < support_threshold).select(0.0, W);
+    W = (W.array() > 1 - support_threshold).select(1.0, W);
+}
+
+void add(WeightSolution& all, const QpReport& part) {
+    all.iterations += part.iterations;
+    all.converged = all.converged && part.converged;
+    all.kkt_residual = std::max(all.kkt_residual, part.kkt_residual);
+    if (part.safeguarded) all.fallback = "projected Newton";
+}
+
+// Solves one level after the other. `report(share)` takes what share of a level's work is done.
+class LevelSolver {
+public:
+    LevelSolver(const WeightOptions& options, Progress& progress) : options_(options), progress_(progress) {}
+
+    //! Of the coarse levels only the iterations count: the last has the answer.
+    WeightSolution run(const WeightProblem& problem) {
+        const std::vector<CoarseLevel> levels = coarse_levels(problem);
+        double work = 0;
+        for (const CoarseLevel& level : levels) work += work_of(level.problem);
+        total_ = work + work_of(problem);
+        std::optional<Eigen::MatrixXd> guess;
+        int iterations = 0;
+        for (std::size_t k = levels.size(); k-- > 0;) {
+            const WeightSolution coarse = solve(levels[k].problem, guess);
+            iterations += coarse.iterations;
+            guess = levels[k].carry * coarse.W;
+        }
+        WeightSolution solution = solve(problem, guess);
+        solution.iterations += iterations;
+        return solution;
+    }
+
+private:
+    static double work_of(const WeightProblem& problem) { return static_cast<double>(problem.mesh.V.rows()); }
+
+    WeightSolution solve(const WeightProblem& problem, const std::optional<Eigen::MatrixXd>& guess) {
+        const SparseMatrix Q = laplacian_energy(problem);
+        Eigen::MatrixXd start = guess ? *guess : unbounded_weights(Q, problem.conditions);
+        snap_to_bounds(start);
+        for (std::size_t i = 0; i < problem.conditions.vertices.size(); ++i) {
+            start.row(problem.conditions.vertices[i]) = problem.conditions.values.row(static_cast<Eigen::Index>(i));
+        }
+        WeightSolution solution =
+            options_.partition == Partition::coupled ? solve_coupled(Q, problem, start) : solve_each(Q, problem, start);
+        done_ += work_of(problem);
+        return solution;
+    }
+
+    // One step of progress a factorisation; how many there will be is unknown.
+    QpOptions qp_options(const WeightProblem& problem, double before, double share) {
+        const double first = (done_ + before * work_of(problem)) / total_;
+        const double width = share * work_of(problem) / total_;
+        return {options_.tolerance, options_.max_iterations, [this, first, width, steps = 0]() mutable {
+                    progress_.step("weights", first + width * (1 - 1 / (1 + 0.5 * steps++)));
+                }};
+    }
+
+    WeightSolution solve_coupled(const SparseMatrix& Q, const WeightProblem& problem, const Eigen::MatrixXd& start) {
+        std::vector<char> given(static_cast<std::size_t>(Q.rows()), 0);
+        for (const int v : problem.conditions.vertices) given[static_cast<std::size_t>(v)] = 1;
+        const auto found = solve_simplex_qp({Q, given}, start, qp_options(problem, 0, 1));
+        if (!found) refuse_triangles();
+        WeightSolution solution;
+        add(solution, *found);
+        solution.W = found->W;
+        return solution;
+    }
+
+    WeightSolution solve_each(const SparseMatrix& Q, const WeightProblem& problem, const Eigen::MatrixXd& start) {
+        WeightSolution solution;
+        solution.W.resize(start.rows(), start.cols());
+        const Eigen::VectorXd c = Eigen::VectorXd::Zero(Q.rows());
+        const double share = 1.0 / static_cast<double>(start.cols());
+        for (Eigen::Index j = 0; j < start.cols(); ++j) {
+            Eigen::VectorXd lower = Eigen::VectorXd::Zero(Q.rows());
+            Eigen::VectorXd upper = Eigen::VectorXd::Ones(Q.rows());
+            for (const int v : problem.conditions.vertices) lower(v) = upper(v) = start(v, j);
+            const QpOptions options = qp_options(problem, static_cast<double>(j) * share, share);
+            const auto found = solve_box_qp({Q, c, lower, upper}, start.col(j), options);
+            if (!found) refuse_triangles();
+            add(solution, *found);
+            solution.W.col(j) = found->x;
+        }
+        return solution;
+    }
+
+    const WeightOptions& options_;
+    Progress& progress_;
+    double total_ = 1, done_ = 0;
+};
+
+}  // namespace
+
+WeightSolution bounded_biharmonic_weights(const WeightProblem& problem, const WeightOptions& options,
+                                          Progress& progress) {
+    WeightSolution solution = LevelSolver(options, progress).run(problem);
+    divide_by_row_sums(problem.mesh, solution.W);
+    return solution;
+}
+
+WeightSolution bounded_biharmonic_functions(const WeightProblem& problem, const WeightOptions& options,
+                                            Progress& progress) {
+    WeightOptions each = options;
+    each.partition = Partition::normalised;
+    return LevelSolver(each, progress).run(problem);
+}
+
+}  // namespace puppetwarp

@@ -25,7 +25,7 @@ struct QpReport {
 
 //! Share of the tolerance by which an active set's signs may be wrong: below it they are round-off, on which sets
 //! cycle; clipping what is left changes the KKT residual by far less than the tolerance.
-inline constexpr double sign_share = 1e-3;
+inline constexpr double sign_share = 0.1;
 
 //! The active sets that an iteration has been at.
 class VisitedSets {

@@ -1,6 +1,6 @@
 #include <puppetwarp/solve/simplex_qp.h>
 
-#include <puppetwarp/solve/cholesky.h>
+#include <puppetwarp/solve/supernodal_cholesky.h>
 
 #include <algorithm>
 #include <cassert>
@@ -82,9 +82,16 @@ private:
             choose_pivots();
             result_.W = minimise_unheld();
             if (!definite_) return false;
-            if (!change_sides(product(qp_.Q, result_.W))) return true;
+            if (!change_sides(product(qp_.Q, result_.W)) || good_enough()) return true;
         }
         return false;
+    }
+
+    // Whether the last sides, though some would still change, are those of a solution to the tolerance.
+    bool good_enough() const {
+        Shares W = result_.W;
+        put_on_simplex(W, qp_.given);
+        return simplex_kkt_residual(qp_, W) <= options_.tolerance;
     }
 
     // The largest share of a row that is not held, so that what it takes from the others leaves it far from 0.
@@ -240,7 +247,7 @@ private:
         Eigen::VectorXd y(size_);
         for_each_unknown(unknown, [&](Eigen::Index v, int j, int k) { y(k) = G(v, pivot(v)) - G(v, j); });
         const SparseMatrix S = reduced_matrix(unknown);
-        const std::optional<CholeskyFactor> factor = CholeskyPattern(S).factorise(S);
+        const std::optional<SupernodalCholesky> factor = SupernodalCholesky::factorise(S);
         definite_ = factor.has_value();
         if (!definite_) return W;
         factor->solve_in_place(y);

@@ -14,8 +14,11 @@ namespace puppetwarp {
 
 namespace {
 
-// What is carried from a coarse mesh and below this is taken for 0: a weight rises from 0 by its second derivative.
-constexpr double support_threshold = 1e-4;
+// What is carried from a coarse mesh and below this is taken for 0. Tails of weights are that thin for long; started
+// without them an active set needs more rounds to grow them again, started with more it has larger systems to solve.
+constexpr double support_threshold = 1e-6;
+// Coarse meshes only have to tell which weights are 0.
+constexpr double coarse_tolerance = 1e-5;
 
 [[noreturn]] void refuse_triangles() {
     throw InvalidInput("mesh", "its triangles are too thin or too different in size to compute weights with",
@@ -54,6 +57,7 @@ public:
             iterations += coarse.iterations;
             guess = levels[k].carry * coarse.W;
         }
+        fine_ = true;
         WeightSolution solution = solve(problem, guess);
         solution.iterations += iterations;
         return solution;
@@ -77,9 +81,10 @@ private:
 
     // One step of progress a factorisation; how many there will be is unknown.
     QpOptions qp_options(const WeightProblem& problem, double before, double share) {
+        const double tolerance = fine_ ? options_.tolerance : std::max(coarse_tolerance, options_.tolerance);
         const double first = (done_ + before * work_of(problem)) / total_;
         const double width = share * work_of(problem) / total_;
-        return {options_.tolerance, options_.max_iterations, [this, first, width, steps = 0]() mutable {
+        return {tolerance, options_.max_iterations, [this, first, width, steps = 0]() mutable {
                     progress_.step("weights", first + width * (1 - 1 / (1 + 0.5 * steps++)));
                 }};
     }
@@ -116,6 +121,7 @@ private:
     const WeightOptions& options_;
     Progress& progress_;
     double total_ = 1, done_ = 0;
+    bool fine_ = false;  // whether at the mesh that was asked for
 };
 
 }  // namespace

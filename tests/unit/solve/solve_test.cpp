@@ -4,6 +4,7 @@
 #include <puppetwarp/solve/cholesky.h>
 #include <puppetwarp/solve/grounded_inverse.h>
 #include <puppetwarp/solve/paired_cholesky.h>
+#include <puppetwarp/solve/supernodal_cholesky.h>
 
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
@@ -46,6 +47,32 @@ TEST(Cholesky, SolvesWhatADenseSolverSolves) {
         factor->solve_in_place(re);
         EXPECT_LT((re - expected.real()).norm(), 1e-12 * (1 + expected.norm()));
     }
+}
+
+TEST(SupernodalCholesky, SolvesWhatADenseSolverSolves) {
+    const auto expect_solved = [](const SparseMatrix& A) {
+        const SparseMatrix lower = A.triangularView<Eigen::Lower>();
+        const auto factor = SupernodalCholesky::factorise(lower);
+        ASSERT_TRUE(factor);
+        Eigen::VectorXd b(A.rows());
+        for (Eigen::Index i = 0; i < b.size(); ++i) b(i) = std::sin(static_cast<double>(i) + 1);
+        const Eigen::VectorXd expected = Eigen::MatrixXd(A).partialPivLu().solve(b);
+        Eigen::VectorXd x = b;
+        factor->solve_in_place(x);
+        EXPECT_LT((x - expected).norm(), 1e-10 * (1 + expected.norm())) << A.rows();
+    };
+    for (const int n : {1, 2, 17, 120, 400}) expect_solved(random_symmetric(n, 5, 12));
+    // With supernodes of many columns, and with components apart.
+    const TriangleMesh mesh = reference::joined(reference::grid(20, 15, 20, 15), reference::blob(200, 14, 3), {300, 0});
+    const SparseMatrix L = cotangent_stiffness(mesh);
+    SparseMatrix Q = SparseMatrix(L * L) * L;
+    for (Eigen::Index v = 0; v < Q.rows(); ++v) Q.coeffRef(v, v) += 1;
+    Q.makeCompressed();
+    expect_solved(Q);
+}
+
+TEST(SupernodalCholesky, RefusesIndefiniteMatrices) {
+    EXPECT_FALSE(SupernodalCholesky::factorise(random_symmetric(60, 3, 0.1).triangularView<Eigen::Lower>()));
 }
 
 TEST(Cholesky, RefusesIndefiniteMatricesAndTakesTheNextOfTheSamePattern) {

@@ -1,20 +1,14 @@
 #include <puppetwarp/mesh/triangulate.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/mesh/constrained_triangles.h>
 #include <puppetwarp/mesh/triangulate_input.h>
 
-#include <CGAL/Constrained_Delaunay_triangulation_2.h>
-#include <CGAL/Delaunay_mesh_face_base_2.h>
-#include <CGAL/Delaunay_mesh_size_criteria_2.h>
-#include <CGAL/Delaunay_mesher_2.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Triangulation_vertex_base_with_info_2.h>
 #include <CGAL/exceptions.h>
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -26,13 +20,6 @@
 namespace puppetwarp {
 
 namespace {
-
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<int, Kernel>;
-using Triangles = CGAL::Triangulation_data_structure_2<VertexBase, CGAL::Delaunay_mesh_face_base_2<Kernel>>;
-using Cdt = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Triangles, CGAL::Exact_predicates_tag>;
-using Criteria = CGAL::Delaunay_mesh_size_criteria_2<Cdt>;
-using Mesher = CGAL::Delaunay_mesher_2<Cdt, Criteria>;
 
 void require_sound(const TriangulationOptions& options) {
     if (!(options.min_angle_deg >= 0 && options.min_angle_deg <= 30)) {
@@ -111,56 +98,18 @@ public:
         while (split_long_edges()) refine_once();
     }
 
-    TriangleMesh mesh() {
-        int vertices = 0, triangles = 0;
-        for (const Cdt::Vertex_handle vertex : cdt_.finite_vertex_handles()) vertex->info() = -1;
-        for (const Cdt::Face_handle face : cdt_.finite_face_handles()) {
-            if (!face->is_in_domain()) continue;
-            ++triangles;
-            for (int k = 0; k < 3; ++k) face->vertex(k)->info() = 0;
-        }
-        for (const Cdt::Vertex_handle vertex : cdt_.finite_vertex_handles()) {
-            if (vertex->info() == 0) vertex->info() = vertices++;
-        }
-        TriangleMesh mesh{Eigen::MatrixX2d(vertices, 2), Eigen::MatrixX3i(triangles, 3)};
-        for (const Cdt::Vertex_handle vertex : cdt_.finite_vertex_handles()) {
-            if (vertex->info() >= 0) mesh.V.row(vertex->info()) << vertex->point().x(), vertex->point().y();
-        }
-        std::vector<std::array<int, 3>> corners;
-        for (const Cdt::Face_handle face : cdt_.finite_face_handles()) {
-            if (!face->is_in_domain()) continue;
-            std::array<int, 3> triangle{face->vertex(0)->info(), face->vertex(1)->info(), face->vertex(2)->info()};
-            std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
-            corners.push_back(triangle);
-        }
-        std::sort(corners.begin(), corners.end());
-        for (int t = 0; t < triangles; ++t) {
-            const auto& triangle = corners[static_cast<std::size_t>(t)];
-            mesh.F.row(t) << triangle[0], triangle[1], triangle[2];
-        }
-        return mesh;
-    }
+    TriangleMesh mesh() { return domain_triangles(cdt_); }
 
 private:
-    static double squared_sine(double angle_deg) {
-        const double sine = std::sin(angle_deg * std::numbers::pi / 180);
-        return sine * sine;
-    }
-
     void refine_once() {
         Mesher mesher(cdt_, criteria_);
         mesher.set_seeds(seeds_.begin(), seeds_.end(), false);
         mesher.init();
-        const auto most = static_cast<std::size_t>(options_.max_vertices);
-        // Where round-off makes a triangle flat, the mesher splits it for ever and no vertex is gained: more steps in
-        // vain than there are triangles and edges have no end.
-        std::size_t count = cdt_.number_of_vertices(), in_vain = 0;
-        do {
-            if (cdt_.number_of_vertices() > most) refuse_size(options_.max_vertices);
-            in_vain = cdt_.number_of_vertices() > count ? 0 : in_vain + 1;
-            count = cdt_.number_of_vertices();
-            if (in_vain > 1000 + 10 * count) refuse_narrow();
-        } while (mesher.try_one_step_refine_mesh());
+        switch (refine_domain(mesher, cdt_, static_cast<std::size_t>(options_.max_vertices))) {
+            case Refinement::done: return;
+            case Refinement::too_many: refuse_size(options_.max_vertices);
+            case Refinement::in_vain: refuse_narrow();
+        }
     }
 
     // Moves each vertex inside to the centroid of the triangles around it. CGAL's own Lloyd optimisation moves vertices

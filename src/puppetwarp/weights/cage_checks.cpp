@@ -113,4 +113,9 @@ void require_sound_cages(const TriangleMesh& mesh, const Rig& rig) {
     for (const Cage& cage : cages) require_to_hold(mesh, cage);
 }
 
+void require_a_cage(const Rig& rig) {
+    if (!cages_of(rig).empty()) return;
+    throw InvalidInput("weights 'harmonic-cage'", "the rig has no cage", "add one, or use harmonic");
+}
+
 }  // namespace puppetwarp

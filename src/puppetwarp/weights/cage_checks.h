@@ -12,4 +12,7 @@ namespace puppetwarp {
 //!        or another cage, or with no vertex of the mesh in it.
 void require_sound_cages(const TriangleMesh& mesh, const Rig& rig);
 
+//! \throw InvalidInput  the rig has no cage.
+void require_a_cage(const Rig& rig);
+
 }  // namespace puppetwarp

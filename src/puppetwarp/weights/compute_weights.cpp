@@ -2,6 +2,7 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/weights/bounded_biharmonic.h>
+#include <puppetwarp/weights/cage_checks.h>
 #include <puppetwarp/weights/cage_coordinates.h>
 #include <puppetwarp/weights/l1.h>
 #include <puppetwarp/weights/monotonic.h>
@@ -43,7 +44,7 @@ WeightSolution solve(const WeightProblem& problem, const WeightOptions& options,
 // The families that are solved on a mesh.
 Weights weights_on_mesh(const TriangleMesh& mesh, const Rig& rig, const WeightOptions& options, Progress& progress) {
     const WeightDomain domain = weight_domain(mesh, rig);
-    const WeightProblem problem(domain.mesh, rig);
+    const WeightProblem problem(domain.mesh, domain.rig);
     WeightSolution solution = solve(problem, options, progress);
     Weights weights;
     weights.columns = problem.conditions.columns;
@@ -68,13 +69,15 @@ Weights compute_weights(const TriangleMesh& mesh, const Rig& rig, const WeightOp
     require_sound(mesh, "mesh");
     require_sound(rig);
     if (rig.handles.empty()) throw InvalidInput("rig", "has no handles", "add points, bones, regions or a cage");
+    if (options.kind == WeightKind::harmonic_cage) require_a_cage(rig);
     progress.step("weights", 0);
     Weights weights;
     if (is_closed_form(options.kind)) {
         weights = cage_coordinates(mesh, rig, options.kind);
     } else if (options.kind == WeightKind::shepard) {
         // What holds nothing of the mesh is refused in every kind.
-        const WeightProblem problem(weight_domain(mesh, rig).mesh, rig);
+        const WeightDomain domain = weight_domain(mesh, rig);
+        const WeightProblem problem(domain.mesh, domain.rig);
         weights.columns = problem.conditions.columns;
         weights.W = shepard_weights(mesh, rig);
     } else {

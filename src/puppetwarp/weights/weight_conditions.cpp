@@ -21,8 +21,6 @@ namespace {
 // About joints bones hold nothing within this share of the subject's diagonal, and of their own length.
 constexpr double joint_share = 0.02;
 constexpr double joint_share_of_bone = 0.25;
-// Vertices this share of the diagonal from a cage's edge are on it: the edge was made of them.
-constexpr double on_edge = 1e-9;
 
 std::string place_text(const Point& p) {
     std::array<char, 64> text{};
@@ -151,12 +149,7 @@ private:
         located(bone.from);
         located(bone.to);
     }
-    void check(const VertexHandle& vertex) const {
-        if (vertex.index < mesh_.V.rows()) return;
-        throw InvalidInput("handle '" + id() + "'", "index " + std::to_string(vertex.index) +
-                                                        " is not a vertex: the mesh has " +
-                                                        std::to_string(mesh_.V.rows()));
-    }
+    void check(const VertexHandle& vertex) const { require_vertex(mesh_, id(), vertex); }
     void check(const RegionHandle&) const {}
     void check(const CageHandle&) const {}
 
@@ -231,7 +224,7 @@ void Conditions::hold(const CageHandle& cage) {
         const Point &a = cage.points[k], &b = cage.points[(k + 1) % corners];
         for (int v = 0; v < mesh_.V.rows(); ++v) {
             const SegmentFoot foot = segment_foot(a, b, position(v));
-            if (foot.distance <= on_edge * size_) claim(v, static_cast<int>(k), foot.along);
+            if (foot.distance <= on_cage_edge * size_) claim(v, static_cast<int>(k), foot.along);
         }
     }
 }
@@ -346,6 +339,12 @@ void Conditions::require_all_hold(const std::vector<Eigen::Index>& first) const 
 }
 
 }  // namespace
+
+void require_vertex(const TriangleMesh& mesh, const std::string& id, const VertexHandle& vertex) {
+    if (vertex.index < mesh.V.rows()) return;
+    throw InvalidInput("handle '" + id + "'", "index " + std::to_string(vertex.index) +
+                                                  " is not a vertex: the mesh has " + std::to_string(mesh.V.rows()));
+}
 
 WeightConditions weight_conditions(const TriangleMesh& mesh, const Rig& rig) {
     return Conditions(mesh, rig).take();

@@ -5,6 +5,12 @@
 
 namespace puppetwarp {
 
+//! Vertices this share of the diagonal from a cage's edge are on it: the edge was made of them.
+inline constexpr double on_cage_edge = 1e-9;
+
+//! \throw InvalidInput  the index of the vertex handle `id` is out of range.
+void require_vertex(const TriangleMesh& mesh, const std::string& id, const VertexHandle& vertex);
+
 //! How the handles of a rig hold the vertices of a mesh for the families that are solved on it.
 //! - A point holds the corner nearest to it of the triangle that it lies in; a vertex handle its vertex; a region all
 //!   inside.

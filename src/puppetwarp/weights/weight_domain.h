@@ -8,16 +8,19 @@
 
 namespace puppetwarp {
 
-//! The mesh on which weights are solved: the subject's own, or a larger one where a cage is not made of its edges.
+//! The mesh on which weights are solved: the subject's own where there is no cage or every cage is made of its edges
+//! and full of its triangles, else a larger one, of all that the subject or a cage holds, whose edges run along the
+//! cages. Within a cage the subject's boundary and holes are no more: there, weights know the shape of the cage.
 struct WeightDomain {
     TriangleMesh mesh;
-    //! #V x #V of `mesh`: carries what was solved to the subject's vertices, its rows are barycentric coordinates; none
-    //! where `mesh` is the subject's own.
+    Rig rig;  //!< the same handles; vertices by their indices in `mesh`
+    //! #V x #V of `mesh`: carries what was solved to the subject's vertices. Nearly all are vertices of `mesh` too;
+    //! rows of the others are barycentric coordinates. None where `mesh` is the subject's own.
     std::optional<SparseMatrix> carry;
 };
 
 //! \pre require_sound(mesh, ...), require_sound(rig).
-//! \throw InvalidInput  a cage crosses itself or holds nothing of the mesh.
+//! \throw InvalidInput  see `require_sound_cages`; an index of a vertex handle out of range.
 WeightDomain weight_domain(const TriangleMesh& mesh, const Rig& rig);
 
 }  // namespace puppetwarp

@@ -75,6 +75,23 @@ void frame(benchmark::State& state, Method method, WeightKind kind) {
     state.counters["vertices"] = static_cast<double>(mesh.V.rows());
 }
 
+// Points find their angles, each frame from rest.
+void frame_with_free_angles(benchmark::State& state, WeightKind kind) {
+    const TriangleMesh mesh = mesh_for(state);
+    const Rig rig = ten_handles();
+    const auto deformer = make_deformer(options_of(Method::fast, kind), mesh, rig);
+    Pose pose = pose_for(rig, false);
+    Progress progress;
+    int iterations = 0;
+    for (auto _ : state) {
+        const Deformation moved = deformer->deform(pose, nullptr, progress);
+        iterations = moved.iterations;
+        benchmark::DoNotOptimize(moved.V.data());
+    }
+    state.counters["vertices"] = static_cast<double>(mesh.V.rows());
+    state.counters["iterations"] = iterations;
+}
+
 // With scales, which the rigid blends mean by themselves.
 void frame_with_scales(benchmark::State& state, Method method) {
     const TriangleMesh mesh = mesh_for(state);
@@ -98,6 +115,9 @@ BENCHMARK_CAPTURE(frame, intrinsic, Method::intrinsic, WeightKind::harmonic)
     ->Arg(5)
     ->Arg(20)
     ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(frame, lbs_bbw, Method::lbs, WeightKind::bbw)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(frame_with_free_angles, fast, WeightKind::harmonic)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(frame_with_free_angles, fast_bbw, WeightKind::bbw)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(frame_with_scales, dual_complex, Method::dual_complex)
     ->Arg(5)
     ->Arg(20)

@@ -30,6 +30,7 @@ const char* about(Method method) {
         case Method::arap: return "As rigid as possible everywhere.";
         case Method::smooth_arap: return "Rigid limbs in smooth bends.";
         case Method::fold_free: return "Never folds, wherever pins go.";
+        case Method::fast: return "Weighted mean whose points turn by themselves.";
         case Method::lbs: return "Weighted mean of the handles; joints shrink.";
         case Method::dual_complex: return "Weighted mean that keeps joints round.";
         case Method::intrinsic: return "Weighted mean that follows whole turns.";

@@ -27,6 +27,7 @@ enum class Method {
     arap,
     smooth_arap,
     fold_free,
+    fast,
     lbs,
     dual_complex,
     intrinsic,
@@ -98,7 +99,7 @@ public:
     virtual std::unique_ptr<Deformer> with_rig(const Rig& rig) const;
 };
 
-//! Whether a method moves the mesh by weights of the handles: `lbs`, `dual-complex`, `intrinsic`.
+//! Whether a method moves the mesh by weights of the handles: `fast`, `lbs`, `dual-complex`, `intrinsic`.
 bool uses_weights(Method method);
 
 //! Prepares a method: operators, binding of the handles, factorisations, weights.

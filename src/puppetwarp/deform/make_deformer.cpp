@@ -2,6 +2,7 @@
 
 #include <puppetwarp/base/errors.h>
 
+#include <puppetwarp/deform/fast_skinning.h>
 #include <puppetwarp/deform/laplacian_linear.h>
 #include <puppetwarp/deform/laplacian_rotated.h>
 #include <puppetwarp/deform/moving_least_squares.h>
@@ -34,7 +35,8 @@ void require_sound(const MethodOptions& options, const TriangleMesh& mesh, const
 }  // namespace
 
 bool uses_weights(Method method) {
-    return method == Method::lbs || method == Method::dual_complex || method == Method::intrinsic;
+    return method == Method::fast || method == Method::lbs || method == Method::dual_complex ||
+           method == Method::intrinsic;
 }
 
 std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const TriangleMesh& mesh, const Rig& rig) {
@@ -46,6 +48,7 @@ std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const Tria
                                         const Weights& weights) {
     require_sound(options, mesh, rig);
     assert(uses_weights(options.method));
+    if (options.method == Method::fast) return std::make_unique<FastSkinningDeformer>(options, mesh, rig, weights);
     return std::make_unique<SkinningDeformer>(options.method, mesh, rig, weights);
 }
 
@@ -66,6 +69,7 @@ std::unique_ptr<Deformer> make_deformer(const MethodOptions& options, const Tria
         case Method::smooth_arap:
         case Method::fold_free:
             return std::make_unique<VariationalDeformer>(std::make_shared<VariationalProblem>(options, mesh, rig));
+        case Method::fast:
         case Method::lbs:
         case Method::dual_complex:
         case Method::intrinsic:

@@ -15,7 +15,7 @@ struct Named {
     const char* name;
 };
 
-constexpr std::array<Named<Method>, 18> methods{{{Method::harmonic, "harmonic"},
+constexpr std::array<Named<Method>, 19> methods{{{Method::harmonic, "harmonic"},
                                                  {Method::biharmonic, "biharmonic"},
                                                  {Method::triharmonic, "triharmonic"},
                                                  {Method::tetraharmonic, "tetraharmonic"},
@@ -27,6 +27,7 @@ constexpr std::array<Named<Method>, 18> methods{{{Method::harmonic, "harmonic"},
                                                  {Method::arap, "arap"},
                                                  {Method::smooth_arap, "smooth-arap"},
                                                  {Method::fold_free, "fold-free"},
+                                                 {Method::fast, "fast"},
                                                  {Method::lbs, "lbs"},
                                                  {Method::dual_complex, "dual-complex"},
                                                  {Method::intrinsic, "intrinsic"},

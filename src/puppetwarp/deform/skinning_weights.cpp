@@ -7,13 +7,14 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 namespace puppetwarp {
 
 namespace {
 
-// A vertex is one column's alone when its weight misses 1 by no more than round-off.
-constexpr double alone = 1 - 1e-12;
+// A vertex is one column's alone when its weights miss 1 and 0 by no more than round-off.
+constexpr double round_off = 1e-12;
 
 void require_fit(const Weights& weights, const TriangleMesh& mesh, const Rig& rig) {
     const auto columns = static_cast<Eigen::Index>(weights.columns.size());
@@ -47,9 +48,16 @@ SkinningWeights::SkinningWeights(const Weights& weights, const TriangleMesh& mes
     rows = weights.W.sparseView(0, 0);
     rows.makeCompressed();
     for (Eigen::Index v = 0; v < rows.rows(); ++v) {
+        int others = 0;
+        std::optional<std::size_t> owner;
         for (WeightRows::InnerIterator w(rows, v); w; ++w) {
-            if (w.value() >= alone) held.push_back({v, static_cast<std::size_t>(w.col())});
+            if (std::abs(w.value() - 1) <= round_off) {
+                owner = static_cast<std::size_t>(w.col());
+            } else if (std::abs(w.value()) > round_off) {
+                ++others;
+            }
         }
+        if (owner && others == 0) held.push_back({v, *owner});
     }
 }
 

@@ -252,13 +252,13 @@ INSTANTIATE_TEST_SUITE_P(DifferentialCoordinates, EveryMethod,
                          name_of);
 INSTANTIATE_TEST_SUITE_P(MovingLeastSquares, EveryMethod, testing::Values("mls-affine", "mls-similarity", "mls-rigid"),
                          name_of);
-INSTANTIATE_TEST_SUITE_P(Skinning, EveryMethod, testing::Values("lbs", "dual-complex", "intrinsic"), name_of);
+INSTANTIATE_TEST_SUITE_P(Skinning, EveryMethod, testing::Values("fast", "lbs", "dual-complex", "intrinsic"), name_of);
 
 TEST(MethodNames, GoBothWays) {
     EXPECT_EQ(method_names(),
               (std::vector<std::string>{"harmonic", "biharmonic", "triharmonic", "tetraharmonic", "thin-shell",
                                         "laplacian", "laplacian-rotated", "laplacian-similarity", "multiresolution",
-                                        "arap", "smooth-arap", "fold-free", "lbs", "dual-complex", "intrinsic",
+                                        "arap", "smooth-arap", "fold-free", "fast", "lbs", "dual-complex", "intrinsic",
                                         "mls-affine", "mls-similarity", "mls-rigid"}));
     for (const std::string& name : method_names()) EXPECT_EQ(method_name(method_from_name(name)), name);
     for (const char* name : {"elements", "spokes", "spokes-and-rims"}) {

@@ -1,6 +1,7 @@
 #include <puppetwarp/deform/skinning_motions.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/rig/bones.h>
 #include <puppetwarp/rig/handle_maps.h>
 #include <puppetwarp/rig/region.h>
 
@@ -33,7 +34,12 @@ double angle_near(const Complex& turn, double other_rad) {
 class Motions {
 public:
     Motions(const Rig& rig, const Pose& pose, const Eigen::MatrixX2d& V)
-        : rig_(rig), pose_(pose), V_(V), size_(bounding_diagonal(V)), maps_(handle_maps(rig, pose, V)) {}
+        : rig_(rig),
+          pose_(pose),
+          V_(V),
+          size_(bounding_diagonal(V)),
+          maps_(handle_maps(rig, pose, V)),
+          bones_(bone_motions(rig, pose)) {}
 
     ColumnMotion of(const WeightColumn& column) const {
         const Handle& handle = rig_.handles[static_cast<std::size_t>(column.handle)];
@@ -48,7 +54,7 @@ public:
         } else {
             motion.map = maps_[static_cast<std::size_t>(column.handle)];
             motion.centre = centre(handle);
-            motion.angle_rad = angle_near(motion.map.alpha, turn_rad(handle));
+            motion.angle_rad = turn_rad(column.handle);
         }
         if (!(std::abs(motion.map(motion.centre) - motion.centre) <= farthest_move * size_)) {
             throw InvalidInput("handle '" + handle.id + "'", "its target is too far away",
@@ -67,16 +73,13 @@ private:
         return complex_of(V_.row(std::get<VertexHandle>(handle.shape).index).transpose());
     }
 
-    // How far a handle turns, to less than half a turn: along the chain for bones.
-    double turn_rad(const Handle& handle) const {
-        double sum = 0;
-        for (const Handle* next = &handle; next != nullptr;) {
-            const HandlePose* target = pose_of(pose_, next->id);
-            if (target != nullptr && target->rotate_rad) sum += *target->rotate_rad;
-            const auto* bone = std::get_if<BoneHandle>(&next->shape);
-            next = bone == nullptr || bone->parent.empty() ? nullptr : find_handle(rig_, bone->parent);
-        }
-        return sum;
+    // How far a handle turns: a bone along its chain, the others as the pose says.
+    double turn_rad(int index) const {
+        const Handle& handle = rig_.handles[static_cast<std::size_t>(index)];
+        if (std::holds_alternative<BoneHandle>(handle.shape)) return bones_[static_cast<std::size_t>(index)].angle_rad;
+        const HandlePose* target = pose_of(pose_, handle.id);
+        const double said = target == nullptr ? 0 : target->rotate_rad.value_or(0);
+        return angle_near(maps_[static_cast<std::size_t>(index)].alpha, said);
     }
 
     const Rig& rig_;
@@ -84,6 +87,7 @@ private:
     const Eigen::MatrixX2d& V_;
     double size_;
     std::vector<AffineMap> maps_;
+    std::vector<BoneMotion> bones_;
 };
 
 }  // namespace

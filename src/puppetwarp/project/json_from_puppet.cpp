@@ -91,6 +91,7 @@ struct ShapeWriter {
         json["from"] = point(handle.from);
         json["to"] = point(handle.to);
         if (!handle.parent.empty()) json["parent"] = handle.parent;
+        if (handle.length != BoneLength::stretch) json["length"] = bone_length_name(handle.length);
     }
     void operator()(const CageHandle& handle) const {
         json["type"] = "cage";
@@ -110,7 +111,8 @@ struct ShapeWriter {
 Json handle_json(const Handle& handle, const Json* old) {
     Json json{{"id", handle.id}};
     std::visit(ShapeWriter{json}, handle.shape);
-    keep_unknown(json, old, {"id", "type", "at", "radius_px", "from", "to", "parent", "points", "index", "falloff"});
+    keep_unknown(json, old,
+                 {"id", "type", "at", "radius_px", "from", "to", "parent", "length", "points", "index", "falloff"});
     return json;
 }
 
@@ -151,11 +153,13 @@ Json handle_pose_json(const HandlePose& pose, const Json* old) {
     if (pose.rotate_rad) json["rotate_deg"] = degrees_number(*pose.rotate_rad);
     if (pose.turn_rad) json["turn_deg"] = degrees_number(*pose.turn_rad);
     if (pose.scale) json["scale"] = number(*pose.scale);
+    if (pose.reach) json["reach"] = point(*pose.reach);
+    if (pose.chain) json["chain"] = *pose.chain;
     if (pose.depth) json["depth"] = number(*pose.depth);
     if (pose.affine) {
         for (const double value : *pose.affine) json["affine"].push_back(number(value));
     }
-    keep_unknown(json, old, {"from", "to", "rotate_deg", "turn_deg", "scale", "depth", "affine"});
+    keep_unknown(json, old, {"from", "to", "rotate_deg", "turn_deg", "scale", "reach", "chain", "depth", "affine"});
     return json;
 }
 

@@ -68,7 +68,9 @@ Handle read_handle(const JsonReader& json) {
         handle.shape = point;
     } else if (name == "bone") {
         const auto parent = json.find("parent");
-        handle.shape = BoneHandle{json.at("from").point(), json.at("to").point(), parent ? parent->text() : ""};
+        BoneHandle bone{json.at("from").point(), json.at("to").point(), parent ? parent->text() : ""};
+        if (const auto length = json.find("length")) bone.length = named(*length, bone_length_from_name);
+        handle.shape = std::move(bone);
     } else if (name == "cage") {
         handle.shape = CageHandle{json.at("points").points(3)};
     } else if (name == "region") {
@@ -132,6 +134,11 @@ HandlePose read_handle_pose(const JsonReader& json, const Handle& handle) {
     if (const auto rotate = json.find("rotate_deg")) pose.rotate_rad = radians(rotate->number());
     if (const auto turn = json.find("turn_deg")) pose.turn_rad = radians(turn->number());
     if (const auto scale = json.find("scale")) pose.scale = scale->positive();
+    if (const auto reach = json.find("reach")) pose.reach = reach->point();
+    if (const auto chain = json.find("chain")) {
+        pose.chain = chain->integer();
+        if (*pose.chain < 1) chain->fail("must be at least 1");
+    }
     if (const auto depth = json.find("depth")) pose.depth = depth->number();
     if (const auto affine = json.find("affine")) pose.affine = affine->affine();
     return pose;

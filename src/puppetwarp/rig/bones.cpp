@@ -1,7 +1,10 @@
 #include <puppetwarp/rig/bones.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/rig/inverse_kinematics.h>
 
+#include <cmath>
+#include <numbers>
 #include <unordered_map>
 
 namespace puppetwarp {
@@ -14,7 +17,7 @@ Complex complex_of(const Point& p) {
     return {p.x(), p.y()};
 }
 
-// How a bone moves when its parent moves by `parent`.
+// The map of a bone when its parent moves by `parent`.
 AffineMap bone_map(const std::string& id, const BoneHandle& bone, const HandlePose& pose, const AffineMap& parent) {
     if (pose.affine) return affine_map(*pose.affine);
     const Complex from = complex_of(bone.from), to = complex_of(bone.to);
@@ -23,7 +26,9 @@ AffineMap bone_map(const std::string& id, const BoneHandle& bone, const HandlePo
         const Complex rest = to - from, along = complex_of(*pose.to) - new_from;
         if (along == 0.0) throw InvalidInput("handle '" + id + "'", "both ends of the bone are sent to one place");
         // A quotient of equals may miss 1 by round-off.
-        return similarity_about(from, along == rest ? Complex(1) : along / rest, new_from);
+        Complex turn = along == rest ? Complex(1) : along / rest;
+        if (bone.length == BoneLength::fixed) turn *= std::abs(parent.alpha) / std::abs(turn);
+        return similarity_about(from, turn, new_from);
     }
     const Complex turn = std::polar(pose.scale.value_or(1), pose.rotate_rad.value_or(0));
     AffineMap map = composed(parent, similarity_about(from, turn, from));
@@ -31,21 +36,30 @@ AffineMap bone_map(const std::string& id, const BoneHandle& bone, const HandlePo
     return map;
 }
 
+BoneMotion bone_motion(const std::string& id, const BoneHandle& bone, const HandlePose& pose,
+                       const BoneMotion& parent) {
+    BoneMotion motion{bone_map(id, bone, pose, parent.map), parent.angle_rad};
+    // Turned by this much, to less than half a turn more.
+    const double said = motion.angle_rad + pose.rotate_rad.value_or(0);
+    motion.angle_rad = said + std::remainder(std::arg(motion.map.alpha) - said, 2 * std::numbers::pi);
+    return motion;
+}
+
 class Skeleton {
 public:
     Skeleton(const Rig& rig, const Pose& pose)
-        : rig_(rig), pose_(pose), maps_(rig.handles.size()), known_(rig.handles.size()) {
+        : rig_(rig), pose_(pose), motions_(rig.handles.size()), known_(rig.handles.size()) {
         for (std::size_t h = 0; h < rig.handles.size(); ++h) {
             if (std::holds_alternative<BoneHandle>(rig.handles[h].shape)) bones_.emplace(rig.handles[h].id, h);
         }
     }
 
-    std::vector<AffineMap> maps() {
+    std::vector<BoneMotion> motions() {
         for (const auto& handle : rig_.handles) {
             const auto* bone = std::get_if<BoneHandle>(&handle.shape);
             if (bone != nullptr) settle(handle.id);
         }
-        return std::move(maps_);
+        return std::move(motions_);
     }
 
 private:
@@ -65,8 +79,8 @@ private:
             const auto& bone = std::get<BoneHandle>(handle.shape);
             const auto found = pose_.handles.find(handle.id);
             const HandlePose pose = found == pose_.handles.end() ? HandlePose() : found->second;
-            const AffineMap parent = bone.parent.empty() ? AffineMap() : maps_[bones_.at(bone.parent)];
-            maps_[h] = bone_map(handle.id, bone, pose, parent);
+            const BoneMotion parent = bone.parent.empty() ? BoneMotion() : motions_[bones_.at(bone.parent)];
+            motions_[h] = bone_motion(handle.id, bone, pose, parent);
             known_[h] = true;
         }
     }
@@ -74,14 +88,21 @@ private:
     const Rig& rig_;
     const Pose& pose_;
     std::unordered_map<std::string_view, std::size_t> bones_;
-    std::vector<AffineMap> maps_;
+    std::vector<BoneMotion> motions_;
     std::vector<bool> known_;
 };
 
 }  // namespace
 
+std::vector<BoneMotion> bone_motions(const Rig& rig, const Pose& pose) {
+    const Pose bent = with_reaches(rig, pose);
+    return Skeleton(rig, bent).motions();
+}
+
 std::vector<AffineMap> bone_maps(const Rig& rig, const Pose& pose) {
-    return Skeleton(rig, pose).maps();
+    std::vector<AffineMap> maps;
+    for (const BoneMotion& motion : bone_motions(rig, pose)) maps.push_back(motion.map);
+    return maps;
 }
 
 AffineMap affine_map(const std::array<double, 6>& entries) {

@@ -5,13 +5,23 @@
 
 namespace puppetwarp {
 
-//! Forward kinematics: how each bone moves as a whole. The identity for handles that are no bones.
+//! How a bone moves as a whole.
+struct BoneMotion {
+    AffineMap map;
+    double angle_rad = 0;  //!< of map.alpha, whole turns counted along the chain
+};
+
+//! Forward kinematics: how each bone moves as a whole, `reach` resolved. The identity for handles that are no bones.
 //! A bone that a pose does not name follows its parent. `from` and `to` give its ends (one that is not given follows
-//! the parent) and make it a similarity; `rotate_deg` and `scale` act about its own `from`, before the parent's map;
-//! `affine` stands alone. Angles add up along the tree, scales multiply.
+//! the parent) and make it a similarity, without a scale of its own where its length is fixed; `rotate_deg` and `scale`
+//! act about its own `from`, before the parent's map; `affine` stands alone. Angles add up along the tree, scales
+//! multiply. A bone's angle is its parent's plus its own: as the pose says it, else to less than half a turn.
 //! \pre require_sound(rig), require_sound(pose, rig).
-//! \return one map a handle of the rig.
-//! \throw InvalidInput  both ends of a bone are sent to one place.
+//! \return one motion a handle of the rig.
+//! \throw InvalidInput  both ends of a bone are sent to one place; `with_reaches`.
+std::vector<BoneMotion> bone_motions(const Rig& rig, const Pose& pose);
+
+//! Their maps.
 std::vector<AffineMap> bone_maps(const Rig& rig, const Pose& pose);
 
 //! The map of HandlePose::affine.

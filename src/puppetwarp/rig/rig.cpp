@@ -57,6 +57,7 @@ struct AllowedFields {
     bool points = false;
     bool turn = false;       // rotate_deg, scale and affine
     bool free_turn = false;  // turn_deg
+    bool reach = false;      // reach and chain
     const char* type = "";
 };
 
@@ -65,7 +66,7 @@ struct FieldsOf {
         return {.to = true, .turn = true, .free_turn = true, .type = "point"};
     }
     AllowedFields operator()(const BoneHandle&) const {
-        return {.to = true, .from = true, .turn = true, .type = "bone"};
+        return {.to = true, .from = true, .turn = true, .reach = true, .type = "bone"};
     }
     AllowedFields operator()(const CageHandle&) const { return {.points = true, .type = "cage"}; }
     AllowedFields operator()(const RegionHandle&) const { return {.to = true, .turn = true, .type = "region"}; }
@@ -138,6 +139,12 @@ void require_fields(const std::string& subject, const AllowedFields& allowed, co
     require_allowed(subject, allowed, pose.turn_rad.has_value(), allowed.free_turn, "turn_deg");
     require_allowed(subject, allowed, pose.scale.has_value(), allowed.turn, "scale");
     require_allowed(subject, allowed, pose.affine.has_value(), allowed.turn, "affine");
+    require_allowed(subject, allowed, pose.reach.has_value(), allowed.reach, "reach");
+    require_allowed(subject, allowed, pose.chain.has_value(), allowed.reach, "chain");
+    if (pose.chain && !pose.reach) throw InvalidInput(subject, "chain says nothing without reach", "give both");
+    if (pose.reach && (pose.to || pose.rotate_rad || pose.affine)) {
+        throw InvalidInput(subject, "reach cannot stand beside to, rotate_deg or affine", "give one or the other");
+    }
     if (pose.affine && (pose.to || pose.from || pose.rotate_rad || pose.scale)) {
         throw InvalidInput(subject, "affine cannot stand beside to, from, rotate_deg or scale",
                            "give one or the other");
@@ -163,6 +170,8 @@ void require_values(const std::string& subject, const HandlePose& pose) {
     if (pose.to) require_finite(subject, "to", *pose.to);
     if (pose.from) require_finite(subject, "from", *pose.from);
     if (pose.points) require_finite(subject, "to", *pose.points);
+    if (pose.reach) require_finite(subject, "reach", *pose.reach);
+    if (pose.chain && *pose.chain < 1) throw InvalidInput(subject, "chain must be at least 1");
     if (pose.rotate_rad) require_angle(subject, "rotate_deg", *pose.rotate_rad);
     if (pose.turn_rad) require_angle(subject, "turn_deg", *pose.turn_rad);
     if (pose.scale) require_positive(subject, "scale", *pose.scale);
@@ -178,6 +187,17 @@ void require_values(const std::string& subject, const HandlePose& pose) {
 }
 
 }  // namespace
+
+std::string bone_length_name(BoneLength length) {
+    return length == BoneLength::stretch ? "stretch" : "fixed";
+}
+
+BoneLength bone_length_from_name(std::string_view name) {
+    for (const BoneLength length : {BoneLength::stretch, BoneLength::fixed}) {
+        if (bone_length_name(length) == name) return length;
+    }
+    throw InvalidInput("length '" + std::string(name) + "'", "there is none of this name", "known: stretch, fixed");
+}
 
 std::string falloff_name(Falloff falloff) {
     switch (falloff) {

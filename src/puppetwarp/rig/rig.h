@@ -20,11 +20,22 @@ struct PointHandle {
     std::optional<double> radius_px;  //!< of the disc; none: a fixed share of the subject's size
 };
 
+//! What a bone does whose ends are sent to places that are not its length apart.
+enum class BoneLength {
+    stretch,  //!< becomes as long as that, as a similarity
+    fixed     //!< turns towards its end's target and keeps its length
+};
+
+std::string bone_length_name(BoneLength length);
+//! \throw InvalidInput  unknown name (lists the known ones).
+BoneLength bone_length_from_name(std::string_view name);
+
 //! A segment that moves rigidly, or stretches, with its parents.
 struct BoneHandle {
     Point from;
     Point to;
     std::string parent;  //!< id of another bone, or empty
+    BoneLength length = BoneLength::stretch;
 };
 
 //! A closed polygon around or inside the subject whose corners are moved.
@@ -91,6 +102,8 @@ struct HandlePose {
     std::optional<double> turn_rad;               //!< how far a free angle turned on its way here, whole turns counted
     std::optional<double> scale;                  //!< above 0, at most a million
     std::optional<double> depth;                  //!< larger is nearer to the viewer
+    std::optional<Point> reach;                   //!< of a bone's end, to which it and its parents bend: `reach`
+    std::optional<int> chain;                     //!< how many bones bend to reach, at least 1; none: two
     std::optional<std::array<double, 6>> affine;  //!< x' = a x + c y + e, y' = b x + d y + f
 };
 

@@ -15,8 +15,6 @@ namespace {
 
 constexpr int fraction_bits = 4;  // OpenCV draws with sub-pixel ends as fixed-point numbers
 constexpr std::array<double, 3> mesh_colour{0.10, 0.45, 0.95};
-constexpr std::array<double, 3> handle_colour{1.0, 0.75, 0.0};
-constexpr std::array<double, 3> rim_colour{0.0, 0.0, 0.0};
 
 // Coverage of antialiased strokes, 8 bits: drawn once, then blended into pictures of any depth.
 class Strokes {
@@ -148,8 +146,10 @@ void draw_mesh(Image& picture, const Eigen::MatrixX2d& positions, const Eigen::M
     blend(picture, strokes, mesh_colour);
 }
 
-void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas& canvas, double scale) {
-    const double unit = stroke_unit(picture);
+void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas& canvas, double scale,
+                  const HandleStyle& style) {
+    const double unit = stroke_unit(picture) * style.size;
+    const auto thickness = [&](double width) { return std::max(1, static_cast<int>(std::lround(width * unit))); };
     const HandlePose at_rest;
     Strokes rims(picture, canvas, scale), bodies(picture, canvas, scale);
     const std::vector<AffineMap> maps = handle_maps(rig, pose);
@@ -159,16 +159,16 @@ void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas
         const HandlePose& posed = found == pose.handles.end() ? at_rest : found->second;
         const Polyline points = std::visit(PosedPoints{posed, maps[h]}, handle.shape);
         for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-            rims.line(points[i], points[i + 1], static_cast<int>(std::lround(4 * unit)));
-            bodies.line(points[i], points[i + 1], static_cast<int>(std::lround(2 * unit)));
+            rims.line(points[i], points[i + 1], thickness(4));
+            bodies.line(points[i], points[i + 1], thickness(2));
         }
         for (const Point& p : points) {
             rims.disc(p, 7 * unit);
             bodies.disc(p, 5 * unit);
         }
     }
-    blend(picture, rims, rim_colour);
-    blend(picture, bodies, handle_colour);
+    blend(picture, rims, style.rim);
+    blend(picture, bodies, style.body);
 }
 
 }  // namespace puppetwarp

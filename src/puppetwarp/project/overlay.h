@@ -5,6 +5,8 @@
 #include <puppetwarp/rig/rig.h>
 #include <puppetwarp/warp/warp.h>
 
+#include <array>
+
 namespace puppetwarp {
 
 //! Draws the edges of a mesh over a picture, in the picture's depth and channels. Opaque where it draws.
@@ -12,8 +14,16 @@ namespace puppetwarp {
 //! \param canvas     which part of image space `picture` shows.
 void draw_mesh(Image& picture, const Eigen::MatrixX2d& positions, const Eigen::MatrixX3i& F, const Canvas& canvas);
 
+//! How handles are drawn. Colours are red, green and blue from 0 to 1.
+struct HandleStyle {
+    std::array<double, 3> body{1.0, 0.75, 0.0};
+    std::array<double, 3> rim{0.0, 0.0, 0.0};
+    double size = 1;  //!< of lines and discs, above 0
+};
+
 //! Draws points, bones, regions and cages where the pose puts them.
 //! \param scale  pixels of the picture for one of image space, above 0; the picture's upper left corner is the canvas'.
-void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas& canvas, double scale = 1);
+void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas& canvas, double scale = 1,
+                  const HandleStyle& style = {});
 
 }  // namespace puppetwarp

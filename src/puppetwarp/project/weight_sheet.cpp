@@ -12,6 +12,8 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <utility>
 
 namespace puppetwarp {
 
@@ -25,6 +27,8 @@ const TextStyle header_style{12, true, {20, 20, 20}};
 const cv::Scalar paper(255, 255, 255);
 const cv::Scalar ground(236, 238, 240);
 const cv::Scalar frame_colour(205, 205, 205);
+const HandleStyle own_style{{1.0, 0.75, 0.0}, {0.0, 0.0, 0.0}, 0.8};         // of the handle whose map it is
+const HandleStyle other_style{{0.80, 0.82, 0.85}, {0.45, 0.47, 0.50}, 0.5};  // small, to hide little of the map
 
 void require_sound(const WeightSheetOptions& options) {
     if (options.cell_px < smallest_cell_px || options.cell_px > largest_cell_px) {
@@ -68,6 +72,14 @@ struct Scaler {
     void operator()(VertexHandle&) const {}
 };
 
+// Vertices are shown as points: a handle by itself does not know where it is.
+void make_visible(Rig& rig, const TriangleMesh& mesh) {
+    for (Handle& handle : rig.handles) {
+        const auto* vertex = std::get_if<VertexHandle>(&handle.shape);
+        if (vertex != nullptr) handle.shape = PointHandle{mesh.V.row(vertex->index).transpose(), std::nullopt};
+    }
+}
+
 Drawn drawn_of(const TriangleMesh& mesh, const Rig& rig) {
     Eigen::RowVector2d low = mesh.V.colwise().minCoeff(), high = mesh.V.colwise().maxCoeff();
     for (const Handle& handle : rig.handles) {
@@ -82,6 +94,7 @@ Drawn drawn_of(const TriangleMesh& mesh, const Rig& rig) {
     Drawn drawn{mesh, rig};
     drawn.mesh.V = (mesh.V.rowwise() - low) * scaled.scale;
     for (Handle& handle : drawn.rig.handles) std::visit(scaled, handle.shape);
+    make_visible(drawn.rig, drawn.mesh);
     return drawn;
 }
 
@@ -120,13 +133,28 @@ std::string range_of(const Eigen::VectorXd& weight) {
     return text.data();
 }
 
-cv::Mat heat_map(const Drawn& drawn, const Eigen::VectorXd& weight, const Canvas& view, const cv::Size& size) {
+// What a column of weights belongs to, alone: the handle, or the corner of a cage.
+Rig owner_of(const Rig& rig, const WeightColumn& column) {
+    Handle handle = rig.handles[static_cast<std::size_t>(column.handle)];
+    if (const auto* cage = std::get_if<CageHandle>(&handle.shape)) {
+        handle.shape = PointHandle{cage->points[static_cast<std::size_t>(column.corner)], std::nullopt};
+    } else if (auto* bone = std::get_if<BoneHandle>(&handle.shape)) {
+        bone->parent.clear();
+    }
+    Rig owner;
+    owner.handles.push_back(std::move(handle));
+    return owner;
+}
+
+cv::Mat heat_map(const Drawn& drawn, const WeightColumn& column, const Eigen::VectorXd& weight, const Canvas& view,
+                 const cv::Size& size) {
     const double scale =
         static_cast<double>(oversampling) * std::max(size.width, size.height) / std::max(view.width, view.height);
     Image large;
     large.pixels = cv::Mat(oversampling * size.height, oversampling * size.width, CV_8UC3, ground);
     draw_weight(large.pixels, drawn.mesh, weight, view, scale);
-    draw_handles(large, drawn.rig, Pose(), view, scale);
+    draw_handles(large, drawn.rig, Pose(), view, scale, other_style);
+    draw_handles(large, owner_of(drawn.rig, column), Pose(), view, scale, own_style);
     cv::Mat map;
     cv::resize(large.pixels, map, size, 0, 0, cv::INTER_AREA);
     return map;
@@ -157,7 +185,7 @@ Image draw_weight_sheet(const TriangleMesh& mesh, const Rig& rig, const Weights&
         progress.step("draw", static_cast<double>(c) / static_cast<double>(weights.columns.size()));
         const Eigen::VectorXd weight = weights.W.col(static_cast<Eigen::Index>(c));
         const cv::Rect place = layout.picture(static_cast<int>(c));
-        heat_map(drawn, weight, view, place.size()).copyTo(sheet.pixels(place));
+        heat_map(drawn, weights.columns[c], weight, view, place.size()).copyTo(sheet.pixels(place));
         cv::rectangle(sheet.pixels, cv::Rect(place.x - 1, place.y - 1, place.width + 2, place.height + 2), frame_colour,
                       1);
         write_lines(sheet.pixels, column_name(rig, weights.columns[c]), {range_of(weight)},

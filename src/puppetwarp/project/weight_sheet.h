@@ -15,8 +15,8 @@ struct WeightSheetOptions {
     std::int64_t max_pixels = 200'000'000;  //!< of the sheet; more is refused
 };
 
-//! A sheet of heat maps, one a column of weights, each with iso-lines, the handles, its name and its range; a legend
-//! below. Of complex weights the real part. The same bytes each time.
+//! A sheet of heat maps, one a column of weights, each with iso-lines, its handle or corner of a cage in yellow, the
+//! others in grey, its name and its range; a legend below. Of complex weights the real part. The same bytes each time.
 //! \param title  above all maps.
 //! \return 8-bit RGB.
 //! \throw InvalidInput  options out of range, a sheet that is too large.   \throw Cancelled

@@ -23,9 +23,13 @@ struct QpReport {
     bool safeguarded = false;  //!< the active set went in circles, projected Newton steps took over
 };
 
-//! Share of the tolerance by which an active set's signs may be wrong: below it they are round-off, on which sets
-//! cycle; clipping what is left changes the KKT residual by far less than the tolerance.
+//! Share of the tolerance by which an active set's signs may be wrong at first: below it they are round-off, on which
+//! sets cycle; clipping what is left mostly changes the KKT residual by far less than the tolerance.
 inline constexpr double sign_share = 0.1;
+//! Where it does not (rows of Q with entries far above their diagonal), signs count that are wrong by less, by these
+//! steps down to this one.
+inline constexpr double finer_signs = 0.1;
+inline constexpr double finest_sign = 1e-14;
 
 //! The active sets that an iteration has been at.
 class VisitedSets {

@@ -82,7 +82,14 @@ private:
             choose_pivots();
             result_.W = minimise_unheld();
             if (!definite_) return false;
-            if (!change_sides(product(qp_.Q, result_.W)) || good_enough()) return true;
+            if (good_enough() || !change_some_sides(product(qp_.Q, result_.W))) return true;
+        }
+        return false;
+    }
+
+    bool change_some_sides(const Shares& G) {
+        for (; sign_ >= finest_sign; sign_ *= finer_signs) {
+            if (change_sides(G)) return true;
         }
         return false;
     }
@@ -130,7 +137,7 @@ private:
         result_.safeguarded = true;
         put_on_simplex(result_.W, qp_.given);
         while (result_.iterations < options_.max_iterations) {
-            if (simplex_kkt_residual(qp_, result_.W) <= sign_) return;
+            if (simplex_kkt_residual(qp_, result_.W) <= sign_share * options_.tolerance) return;
             const Shares G = product(qp_.Q, result_.W);
             hold_what_stays(G);
             const Shares target = minimise_unheld();

@@ -29,6 +29,8 @@ constexpr double line_step = 0.1;
 constexpr Rgb line_colour{60, 40, 40};
 constexpr double line_width_px = 1.3;
 constexpr double middle_width_px = 3;
+// A weight that changes by less in a pixel is level, whatever round-off says: it has no iso-lines.
+constexpr double level_slope = 1e-6;
 
 constexpr TextStyle legend_text{8, false, {70, 70, 70}};
 constexpr Rgb border_colour{110, 110, 110};
@@ -55,10 +57,10 @@ Rgb ramp_colour(const std::array<Rgb, stops>& ramp, double depth) {
 
 // How much of a pixel an iso-line covers. \param slope  of the weight, per pixel.
 double line_cover(double weight, double slope) {
+    if (!(slope > level_slope)) return 0;
     const double nearest = std::clamp(std::round(weight / line_step), 1.0, 9.0);
     const double width = nearest == 5 ? middle_width_px : line_width_px;
     const double distance = std::abs(weight - nearest * line_step);
-    if (!(slope > 0)) return 0;
     return std::clamp(width / 2 + 0.5 - distance / slope, 0.0, 1.0);
 }
 

@@ -57,6 +57,28 @@ TEST(Overlay, ScaleMovesTheDrawingButKeepsItsMarks) {
     EXPECT_EQ(cv::norm(large.pixels, same.pixels, cv::NORM_INF), 0);
 }
 
+TEST(Overlay, StyleSaysColoursAndSize) {
+    Rig rig;
+    rig.handles = {{"a", PointHandle{{30.5, 20.5}, {}}}};
+    const auto drawn = [&](const HandleStyle& style) {
+        Image picture = grey_picture(CV_8UC3);
+        draw_handles(picture, rig, {}, {0, 0, 80, 60}, 1, style);
+        return picture.pixels;
+    };
+    const auto area = [](const cv::Mat& pixels) {
+        cv::Mat mask;
+        cv::inRange(pixels, cv::Scalar(128, 128, 128), cv::Scalar(128, 128, 128), mask);
+        return static_cast<int>(mask.total()) - cv::countNonZero(mask);
+    };
+    const cv::Mat usual = drawn({{0, 0, 1}, {1, 0, 0}, 1}), half = drawn({{0, 0, 1}, {1, 0, 0}, 0.5});
+    EXPECT_EQ(usual.at<cv::Vec3b>(20, 30), cv::Vec3b(0, 0, 255));  // the middle of the disc
+    EXPECT_EQ(half.at<cv::Vec3b>(20, 30), cv::Vec3b(0, 0, 255));
+    EXPECT_GT(usual.at<cv::Vec3b>(20, 36)[0], 150);  // its rim, from 5 to 7 px
+    EXPECT_EQ(half.at<cv::Vec3b>(20, 36), cv::Vec3b(128, 128, 128));
+    EXPECT_LT(area(half), area(usual) / 2);
+    EXPECT_EQ(area(usual), area(drawn({})));
+}
+
 TEST(Overlay, BonesFollowTheirParentsAndRegionsTheirCentroids) {
     Rig rig;
     rig.handles = {{"upper", BoneHandle{{20.5, 30.5}, {40.5, 30.5}, ""}},

@@ -124,7 +124,7 @@ private:
             const auto at = static_cast<Eigen::Index>(i);
             const OrderConstraint& each = constraints_[i];
             const double stiff = qp_.diagonal_(each.low >= 0 ? each.low : each.high);
-            residual_ = std::max({residual_, -gap(at), z_(at) / stiff * std::abs(gap(at))});
+            residual_ = std::max({residual_, -gap(at), std::min(z_(at) / stiff, std::abs(gap(at)))});
         }
     }
 

@@ -15,6 +15,9 @@ constexpr double first_slack = 1e-2;
 constexpr double first_multiplier = 1e-3;
 // How near to the boundary a step may come.
 constexpr double step_share = 0.995;
+// A constraint's share of the system, multiplier over slack, in units of Q's mean diagonal: beyond this, what Q says of
+// the variables that it ties together would drown in round-off.
+constexpr double stiffest = 1e12;
 
 // Where a constraint's terms stand among the values of the lower triangle; -1: nowhere.
 struct Places {
@@ -77,6 +80,7 @@ public:
         x_ += length * corrector.x;
         s_ += length * corrector.s;
         z_ += length * corrector.z;
+        s_ = s_.cwiseMax(z_ / (stiffest * unit_));
         evaluate();
         return true;
     }

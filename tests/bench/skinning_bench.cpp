@@ -98,7 +98,8 @@ void frame_with_scales(benchmark::State& state, Method method) {
     const Rig rig = ten_handles();
     const auto deformer = make_deformer(options_of(method, WeightKind::harmonic), mesh, rig);
     Pose pose = pose_for(rig, true);
-    for (auto& [id, target] : pose.handles) target.scale = 1.2;
+    double scale = 0.9;
+    for (auto& [id, target] : pose.handles) target.scale = scale += 0.04;
     Progress progress;
     for (auto _ : state) benchmark::DoNotOptimize(deformer->deform(pose, nullptr, progress));
     state.counters["vertices"] = static_cast<double>(mesh.V.rows());

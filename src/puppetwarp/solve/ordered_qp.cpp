@@ -15,6 +15,9 @@ constexpr double first_slack = 1e-2;
 constexpr double first_multiplier = 1e-3;
 // How near to the boundary a step may come.
 constexpr double step_share = 0.995;
+// A constraint's share of the system, multiplier over slack, in units of Q's mean diagonal: beyond this, what Q says of
+// the variables that it ties together would drown in round-off.
+constexpr double stiffest = 1e12;
 
 // Where a constraint's terms stand among the values of the lower triangle; -1: nowhere.
 struct Places {
@@ -77,6 +80,7 @@ public:
         x_ += length * corrector.x;
         s_ += length * corrector.s;
         z_ += length * corrector.z;
+        s_ = s_.cwiseMax(z_ / (stiffest * unit_));
         evaluate();
         return true;
     }
@@ -124,7 +128,7 @@ private:
             const auto at = static_cast<Eigen::Index>(i);
             const OrderConstraint& each = constraints_[i];
             const double stiff = qp_.diagonal_(each.low >= 0 ? each.low : each.high);
-            residual_ = std::max({residual_, -gap(at), z_(at) / stiff * std::abs(gap(at))});
+            residual_ = std::max({residual_, -gap(at), std::min(z_(at) / stiff, std::abs(gap(at)))});
         }
     }
 

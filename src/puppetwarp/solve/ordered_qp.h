@@ -27,8 +27,9 @@ struct OrderedQpSolution : QpReport {
 //! predictor and corrector: each iteration factorises Q + A^T D A once, D diagonal. A constraint between two variables
 //! that Q couples brings no fill, so that the order of elimination is found once for all constraints and all c.
 //! No BLAS, one thread. Immutable.
-//! The KKT residual is the largest of |Qx + c - A^T z| / Q_vv, of what a constraint is violated by, and of
-//! multiplier / Q_vv times slack.
+//! The KKT residual is the largest of |Qx + c - A^T z| / Q_vv, of what a constraint is violated by, and of the smaller
+//! of multiplier / Q_vv and slack, one of which is 0 at the minimum. Their product, the usual measure, flatters: where
+//! both vanish x is off by its root.
 class OrderedQp {
 public:
     //! \param Q  n x n, symmetric positive definite, both triangles, compressed.

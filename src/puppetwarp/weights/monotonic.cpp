@@ -15,7 +15,7 @@ namespace puppetwarp {
 namespace {
 
 // The function from which the graph is read first needs no more than its order.
-constexpr double first_tolerance = 1e-4;
+constexpr double first_tolerance = 1e-3;
 // Least edge weight, as a share of an equilateral triangle's: positive weights alone give a maximum principle.
 constexpr double least_edge_weight = 0.05;
 

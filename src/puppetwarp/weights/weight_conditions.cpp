@@ -164,6 +164,11 @@ private:
     void hold(const CageHandle& cage);
 
     void claim(int vertex, int corner = 0, double along = 0);
+    // Of what a cage holds: where the edge ends.
+    int next_corner(const Claim& claim) const {
+        const auto& cage = std::get<CageHandle>(rig_.handles[claim.handle].shape);
+        return (claim.corner + 1) % static_cast<int>(cage.points.size());
+    }
     void fill_values();
     void hold_lone_components();
     std::size_t nearest_column(const std::vector<int>& vertices) const;
@@ -263,10 +268,7 @@ void Conditions::fill_values() {
         const auto row = static_cast<Eigen::Index>(found_.vertices.size());
         const Eigen::Index column = first[held.handle] + held.corner;
         found_.values(row, column) = 1 - held.along;
-        if (const auto* cage = std::get_if<CageHandle>(&rig_.handles[held.handle].shape)) {
-            const auto corners = static_cast<int>(cage->points.size());
-            found_.values(row, first[held.handle] + (held.corner + 1) % corners) += held.along;
-        }
+        if (held.along > 0) found_.values(row, first[held.handle] + next_corner(held)) += held.along;
         found_.vertices.push_back(static_cast<int>(v));
     }
 }
@@ -329,7 +331,10 @@ double Conditions::distance_to(const WeightColumn& column, const Point& p) const
 void Conditions::require_all_hold(const std::vector<Eigen::Index>& first) const {
     std::vector<bool> holds(found_.columns.size());
     for (const auto& held : claims_) {
-        if (held && held->along < 1) holds[static_cast<std::size_t>(first[held->handle] + held->corner)] = true;
+        if (!held) continue;
+        const auto mark = [&](int corner) { holds[static_cast<std::size_t>(first[held->handle] + corner)] = true; };
+        if (held->along < 1) mark(held->corner);
+        if (held->along > 0) mark(next_corner(*held));
     }
     for (std::size_t c = 0; c < holds.size(); ++c) {
         if (holds[c]) continue;

@@ -152,7 +152,7 @@ std::vector<Similarity> random_similarities(int count, double widest_log, double
     std::vector<Similarity> motions;
     for (int j = 0; j < count; ++j) {
         const double log = widest_log > 0 ? random.between(-widest_log, widest_log) : 0;
-        const double angle = random.between(-widest_rad, widest_rad);
+        const double angle = widest_rad > 0 ? random.between(-widest_rad, widest_rad) : 0;
         motions.push_back({Complex(log, angle), random.place()});
     }
     return motions;
@@ -203,6 +203,71 @@ TEST(SimilarityMean, IsLeftAndRightInvariant) {
         EXPECT_LT(difference(similarity_mean(W, z, after).x, applied(other.log, other.shift, x)), 1e-12);
         const Eigen::VectorXcd moved = applied(other.log, other.shift, z);
         EXPECT_LT(difference(similarity_mean(W, z, before).x, similarity_mean(W, moved, motions).x), 1e-12);
+    }
+}
+
+// The closed form itself, one vertex at a time in more digits.
+Complex mean_slowly(const Eigen::RowVectorXd& w, const Complex& z, const std::vector<Similarity>& motions) {
+    using Long = std::complex<long double>;
+    const auto g = [](const Long& l) {
+        if (std::abs(l) > 0.1L) return l / (std::exp(l) - 1.0L);
+        Long sum = 1, term = 1;  // of (e^l - 1) / l
+        for (int k = 2; k < 25; ++k) sum += term *= l / static_cast<long double>(k);
+        return 1.0L / sum;
+    };
+    Long log = 0, shift = 0, sum = 0;
+    for (std::size_t j = 0; j < motions.size(); ++j) {
+        log += static_cast<long double>(w(static_cast<Eigen::Index>(j))) * Long(motions[j].log);
+    }
+    for (std::size_t j = 0; j < motions.size(); ++j) {
+        const Long share = static_cast<long double>(w(static_cast<Eigen::Index>(j))) * g(Long(motions[j].log) - log);
+        shift += share * Long(motions[j].shift);
+        sum += share;
+    }
+    const Long x = std::exp(log) * Long(z) + shift / sum;
+    return {static_cast<double>(x.real()), static_cast<double>(x.imag())};
+}
+
+TEST(SimilarityMean, KeepsItsDigitsForScalesOfAnySize) {
+    for (const bool turns : {false, true}) {
+        for (const double widest_log : {1e-12, 1e-3, 0.05, 0.4, 0.9, 1.1, 3.0, 9.0}) {
+            Random random(10);
+            const Eigen::MatrixXd W = random_weights(203, 5, random);
+            const Eigen::VectorXcd z = random_places(203, random);
+            const std::vector<Similarity> motions = random_similarities(5, widest_log, turns ? 1.5 : 0, random);
+            const Eigen::VectorXcd x = similarity_mean(W.sparseView(), z, motions).x;
+            for (int v = 0; v < z.size(); ++v) {
+                const Complex expected = mean_slowly(W.row(v), z(v), motions);
+                EXPECT_LT(std::abs(x(v) - expected), 1e-13 * (1 + std::exp(widest_log))) << widest_log << ' ' << v;
+            }
+        }
+    }
+}
+
+// Each vertex comes out to the bit as it does alone, whatever its neighbours are.
+TEST(SimilarityMean, DoesNotMixVertices) {
+    for (const double widest_rad : {0.0, 1.2}) {
+        Random random(11);
+        const Eigen::MatrixXd W = random_weights(61, 12, random);
+        const Eigen::VectorXcd z = random_places(61, random);
+        const std::vector<Similarity> motions = random_similarities(12, 0.8, widest_rad, random);
+        const Eigen::VectorXcd x = similarity_mean(W.sparseView(), z, motions).x;
+        for (int v = 0; v < z.size(); ++v) {
+            const BlendedPositions alone = similarity_mean(W.row(v).sparseView(), z.segment(v, 1), motions);
+            EXPECT_EQ(alone.x(0), x(v)) << v;
+        }
+    }
+}
+
+TEST(SimilarityMean, LeavesAVertexWithoutWeights) {
+    const Eigen::VectorXcd z = Eigen::VectorXcd::Constant(2, Complex(3, 4));
+    Eigen::MatrixXd W(2, 2);
+    W << 0, 0, 1, 0;
+    for (const double angle : {0.0, 0.5}) {
+        const Similarity motion{Complex(0.2, angle), Complex(1, 2)};
+        const Eigen::VectorXcd x = similarity_mean(W.sparseView(), z, {motion, motion}).x;
+        EXPECT_EQ(x(0), z(0));
+        EXPECT_LT(std::abs(x(1) - (std::exp(motion.log) * z(1) + motion.shift)), 1e-14);
     }
 }
 

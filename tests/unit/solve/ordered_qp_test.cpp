@@ -99,6 +99,26 @@ TEST(OrderedQp, IsTheMinimumThatADenseActiveSetFinds) {
     }
 }
 
+// Every constraint holds with equality at the minimum, and none has to push.
+TEST(OrderedQp, IsAsRightAsItSaysWhereMultipliersVanish) {
+    constexpr int n = 12;
+    Eigen::MatrixXd Q = 2 * Eigen::MatrixXd::Identity(n, n);
+    std::vector<OrderConstraint> constraints{{-1, 0, 0}, {n - 1, -1, -1}};
+    for (int i = 1; i < n; ++i) {
+        Q(i, i - 1) = Q(i - 1, i) = -0.9;
+        constraints.push_back({i - 1, i, 0});
+    }
+    for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+        const auto found =
+            OrderedQp(Q.sparseView())
+                .solve(Eigen::VectorXd::Zero(n), constraints, Eigen::VectorXd::Constant(n, 0.3), {tolerance, 100, {}});
+        ASSERT_TRUE(found);
+        EXPECT_TRUE(found->converged);
+        // Q is so well conditioned that a sum of twelve such errors bounds it.
+        EXPECT_LE(found->x.cwiseAbs().maxCoeff(), n * tolerance);
+    }
+}
+
 TEST(OrderedQp, WithoutConstraintsIsOneSolve) {
     Eigen::Matrix3d Q;
     Q << 4, 1, 0, 1, 3, 1, 0, 1, 2;

@@ -71,6 +71,16 @@ TEST(WeightConditions, ABoneEndingOnAnotherFreesBothThere) {
     }
 }
 
+// Edges with no vertex between their ends, as about a slit.
+TEST(WeightConditions, CornersOfShortEdgesOfACageHoldTheirVertex) {
+    const Rig rig{{{"hull", CageHandle{{{0, 0}, {200, 0}, {200, 100}, {110, 100}, {100, 100}, {0, 100}}}}}, {}};
+    const WeightConditions conditions = weight_conditions(board(), rig);
+    EXPECT_EQ(held_by(conditions, 3), std::vector<int>{at(11, 10)});
+    EXPECT_EQ(held_by(conditions, 4), std::vector<int>{at(10, 10)});
+    EXPECT_EQ(conditions.vertices.size(), 60u);
+    EXPECT_LT((conditions.values.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-15);
+}
+
 TEST(WeightConditions, AVertexOfNoHandlesComponentGoesToTheNearest) {
     const TriangleMesh two = reference::joined(grid(4, 4, 40, 40), grid(4, 4, 40, 40), {100, 0});
     const WeightConditions conditions = weight_conditions(two, {{point("far", {0, 0}), point("near", {40, 20})}, {}});

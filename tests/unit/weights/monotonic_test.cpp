@@ -102,6 +102,23 @@ TEST(Monotonic, WhereBiharmonicWeightsAreMonotonicTheyAreTheSame) {
     EXPECT_LE((monotonic_functions(problem, options, progress).W - expected).cwiseAbs().maxCoeff(), 1e-6);
 }
 
+// Constraints that nothing pushes against leave the weights wrong by far more than a loose tolerance.
+TEST(Monotonic, ConvergesToWhateverToleranceIsAskedFor) {
+    const TriangleMesh mesh = figure(400, 12);
+    const WeightProblem problem(mesh, rig_of(400));
+    Progress progress;
+    const auto solved = [&](double tolerance) {
+        WeightOptions options;
+        options.tolerance = tolerance;
+        const WeightSolution found = monotonic_functions(problem, options, progress);
+        EXPECT_TRUE(found.converged) << tolerance;
+        return found.W;
+    };
+    const Eigen::MatrixXd exact = solved(1e-13);
+    EXPECT_LE((solved(1e-8) - exact).cwiseAbs().maxCoeff(), 1e-5);
+    EXPECT_LE((solved(1e-10) - exact).cwiseAbs().maxCoeff(), 1e-7);
+}
+
 TEST(Monotonic, RowsSumToOneAndWorkEndsWhenItIsCancelled) {
     const TriangleMesh mesh = blob(300, 20, 6);
     const WeightProblem problem(mesh, rig_of_points({{90, 150}, {210, 150}, {150, 220}}));

@@ -52,6 +52,7 @@ public:
     }
 
     ExtendedMesh build() {
+        insert_frame();
         insert_rings();
         insert_vertices();
         insert_boundary();
@@ -98,6 +99,18 @@ private:
         kept_.resize(at_.size());
         for (std::size_t v = 0; v < kept_.size(); ++v) kept_[v] = !crowds_ring(static_cast<int>(v));
         for (const int v : keep) kept_[static_cast<std::size_t>(v)] = true;
+    }
+
+    // Far around everything, so that where a ring hardly bends, its corners make no slivers on the side away from the
+    // domain: places on its edges are rounded, and could be beyond those.
+    void insert_frame() {
+        Eigen::AlignedBox2d box;
+        for (const Segment& edge : edges_) box.extend(edge.a);
+        for (Eigen::Index v = 0; v < mesh_.V.rows(); ++v) box.extend(Point(mesh_.V.row(v).transpose()));
+        const double reach = box.diagonal().norm();
+        for (const double x : {box.min().x() - reach, box.max().x() + reach}) {
+            for (const double y : {box.min().y() - reach, box.max().y() + reach}) cdt_.insert({x, y});
+        }
     }
 
     void insert_rings() {

@@ -165,6 +165,8 @@ private:
 
     void claim(int vertex, int corner = 0, double along = 0);
     void fill_values();
+    //! \pre the claim is on a cage.
+    std::size_t next_corner(const Claim& claim) const;
     void hold_lone_components();
     std::size_t nearest_column(const std::vector<int>& vertices) const;
     double distance_to(const WeightColumn& column, const Point& p) const;
@@ -261,14 +263,17 @@ void Conditions::fill_values() {
         if (!claims_[v]) continue;
         const Claim& held = *claims_[v];
         const auto row = static_cast<Eigen::Index>(found_.vertices.size());
-        const Eigen::Index column = first[held.handle] + held.corner;
-        found_.values(row, column) = 1 - held.along;
-        if (const auto* cage = std::get_if<CageHandle>(&rig_.handles[held.handle].shape)) {
-            const auto corners = static_cast<int>(cage->points.size());
-            found_.values(row, first[held.handle] + (held.corner + 1) % corners) += held.along;
+        found_.values(row, first[held.handle] + held.corner) = 1 - held.along;
+        if (held.along > 0) {
+            found_.values(row, first[held.handle] + static_cast<Eigen::Index>(next_corner(held))) = held.along;
         }
         found_.vertices.push_back(static_cast<int>(v));
     }
+}
+
+std::size_t Conditions::next_corner(const Claim& claim) const {
+    const auto& cage = std::get<CageHandle>(rig_.handles[claim.handle].shape);
+    return static_cast<std::size_t>(claim.corner + 1) % cage.points.size();
 }
 
 void Conditions::hold_lone_components() {
@@ -329,7 +334,11 @@ double Conditions::distance_to(const WeightColumn& column, const Point& p) const
 void Conditions::require_all_hold(const std::vector<Eigen::Index>& first) const {
     std::vector<bool> holds(found_.columns.size());
     for (const auto& held : claims_) {
-        if (held && held->along < 1) holds[static_cast<std::size_t>(first[held->handle] + held->corner)] = true;
+        if (!held) continue;
+        const auto column = static_cast<std::size_t>(first[held->handle]);
+        if (held->along < 1) holds[column + static_cast<std::size_t>(held->corner)] = true;
+        // A corner may hold the vertex where it stands and no other: that is the end of the edge before it.
+        if (held->along > 0) holds[column + next_corner(*held)] = true;
     }
     for (std::size_t c = 0; c < holds.size(); ++c) {
         if (holds[c]) continue;

@@ -8,6 +8,7 @@
 #include <puppetwarp/mesh/mesh_file.h>
 #include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
+#include <puppetwarp/rig/add_cage.h>
 
 #include <cstdio>
 #include <memory>
@@ -26,6 +27,7 @@ struct DeformRequest {
     std::optional<int> max_iterations;
     std::optional<double> tolerance;
     WeightChoice weights;
+    HandleChoice handles;
     std::string output;
     GateOptions gates;
     bool force = false;
@@ -73,10 +75,13 @@ int deform_mesh(const DeformRequest& request, const GlobalOptions& global) {
     const Puppet puppet = read_puppet(request.rig);
     std::vector<std::filesystem::path> inputs = input_files(request.rig, puppet);
     inputs.emplace_back(request.mesh);
-    require_good_outputs({inputs, {request.output, request.report.file}, request.report.json}, request.force);
+    require_good_outputs(
+        {inputs, {request.output, request.report.file, request.handles.save_puppet}, request.report.json},
+        request.force);
     const TriangleMesh mesh = read_mesh(request.mesh);
-    if (puppet.rig.handles.empty()) throw InvalidInput(request.rig, "has no handles", "add at least one");
-    const Rig rig = load_rig_for_mesh(puppet);
+    Rig rig = load_rig_for_mesh(puppet);
+    if (request.handles.automatic_cage > 0) add_automatic_cage(rig, mesh, request.handles.automatic_cage);
+    if (rig.handles.empty()) throw InvalidInput(request.rig, "has no handles", "add at least one");
     const Pose pose = request.pose ? find_pose(puppet, *request.pose) : default_pose(puppet);
     timer.end("read");
     const MethodOptions options = method_options(request, puppet.method);
@@ -88,6 +93,7 @@ int deform_mesh(const DeformRequest& request, const GlobalOptions& global) {
     timer.end("deform");
     describe(options, mesh, rig, deformation, report);
     write_positions(mesh, deformation.V, request.output);
+    request.handles.save(puppet, rig);
     timer.end("write");
 
     if (!global.quiet) print_warnings(report);
@@ -121,6 +127,7 @@ void add_deform_command(CLI::App& app, const GlobalOptions& global, int& exit_co
         ->type_name("T")
         ->check(above_zero());
     request->weights.add_to(*deform, "--weights");
+    request->handles.add_to(*deform);
     request->gates.add_to(*deform);
     deform->add_flag("--force", request->force, "Let the output replace the input");
     request->report.add_to(*deform);

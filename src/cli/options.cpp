@@ -3,6 +3,7 @@
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/input_file.h>
 #include <puppetwarp/base/output_file.h>
+#include <puppetwarp/mesh/automatic_cage.h>
 #include <puppetwarp/project/weights_cache.h>
 
 #include <algorithm>
@@ -162,6 +163,24 @@ WeightOptions WeightChoice::options(WeightOptions usual) const {
     if (partition) usual.partition = partition_from_name(*partition);
     if (l1_budget) usual.l1_budget = *l1_budget;
     return usual;
+}
+
+void HandleChoice::add_to(CLI::App& subcommand) {
+    subcommand
+        .add_option("--auto-cage", automatic_cage,
+                    "Put a cage of N corners around the subject, a handle 'cage' beside the others")
+        ->type_name("N")
+        ->check(CLI::Range(fewest_cage_corners, most_cage_corners));
+    subcommand
+        .add_option("--save-puppet", save_puppet,
+                    "Also write a puppet file with the handles of this run, to make poses of them")
+        ->type_name("PUPPET");
+}
+
+void HandleChoice::save(Puppet puppet, const Rig& rig) const {
+    if (save_puppet.empty()) return;
+    if (automatic_cage > 0) puppet.rig.handles.push_back(rig.handles.back());
+    write_puppet(puppet, save_puppet);
 }
 
 std::string method_list() {

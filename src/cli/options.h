@@ -51,6 +51,18 @@ struct WeightChoice {
     std::filesystem::path cache_beside(const std::filesystem::path& input) const;
 };
 
+//! Handles that a command makes by itself, and a file to keep them in.
+struct HandleChoice {
+    int automatic_cage = 0;  //!< corners; 0: no cage
+    std::string save_puppet;
+
+    //! Adds `--auto-cage` and `--save-puppet`.
+    void add_to(CLI::App& subcommand);
+    //! Where asked for, writes a puppet with a rig's handles as it was typed: its own, and the automatic cage, which is
+    //! the last of `rig`.
+    void save(Puppet puppet, const Rig& rig) const;
+};
+
 //! The names of all methods, for help texts.
 std::string method_list();
 

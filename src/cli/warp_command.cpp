@@ -25,6 +25,7 @@ struct WarpRequest {
     std::optional<std::string> method;
     std::optional<std::string> arap_energy;
     WeightChoice weights;
+    HandleChoice handles;
     std::string canvas = "keep";
     std::string interpolation = "bicubic";
     std::optional<std::string> background;
@@ -52,6 +53,18 @@ void apply(const WarpRequest& request, Puppet& puppet, Pose& pose) {
     }
     add_pins(puppet, pose, request.pins);
     require_sound(puppet.rig);
+}
+
+// The pose of the pins in place of the one that it began as, or after the others.
+void keep_pose(Puppet& puppet, const Pose& pose) {
+    if (pose.handles.empty()) return;
+    const auto same = std::find_if(puppet.poses.begin(), puppet.poses.end(),
+                                   [&](const Pose& other) { return other.name == pose.name; });
+    if (same == puppet.poses.end()) {
+        puppet.poses.push_back(pose);
+    } else {
+        *same = pose;
+    }
 }
 
 std::string join(const std::vector<std::string>& words) {
@@ -83,6 +96,7 @@ int warp_picture(const WarpRequest& request, const GlobalOptions& global) {
     options.read.max_pixels = request.max_pixels;
     options.interpolation = interpolation_from_name(request.interpolation);
     options.canvas = parse_canvas(request.canvas);
+    options.automatic_cage = request.handles.automatic_cage;
     options.pin_snap_px = request.pin_snap_px;
     options.weights_cache = request.weights.cache_beside(request.input);
     options.format = output_format(request.output);
@@ -90,9 +104,10 @@ int warp_picture(const WarpRequest& request, const GlobalOptions& global) {
     Puppet puppet = open_puppet(request.input);
     Pose pose = request.pose ? find_pose(puppet, *request.pose) : default_pose(puppet);
     apply(request, puppet, pose);
-    require_good_outputs(
-        {input_files(request.input, puppet), {request.output, request.report.file}, request.report.json},
-        request.force);
+    require_good_outputs({input_files(request.input, puppet),
+                          {request.output, request.report.file, request.handles.save_puppet},
+                          request.report.json},
+                         request.force);
 
     ProgressBar progress(global.quiet);
     Rendered rendered = render(puppet, pose, options, progress);
@@ -106,6 +121,8 @@ int warp_picture(const WarpRequest& request, const GlobalOptions& global) {
     write_image(rendered.image, request.output, {request.compression, request.quality});
     const std::chrono::duration<double, std::milli> writing = std::chrono::steady_clock::now() - start;
     rendered.report.timings_ms.emplace_back("write", writing.count());
+    if (!request.pins.empty()) keep_pose(puppet, pose);
+    request.handles.save(puppet, rendered.rig);
     request.report.emit(report_json(rendered.report, true));
     if (global.verbose) print_timings(rendered.report);
     return request.gates.hold(rendered.report.distortion) ? done : answer_is_no;
@@ -124,6 +141,7 @@ void add_method_options(CLI::App& warp, WarpRequest& request) {
     warp.add_option("--arap-energy", request.arap_energy, "elements (default), spokes, spokes-and-rims")
         ->type_name("E");
     request.weights.add_to(warp, "--weights");
+    request.handles.add_to(warp);
     warp.add_option("--pin-snap", request.pin_snap_px, "Move pins at most PX pixels outside the subject onto it")
         ->type_name("PX")
         ->check(not_negative());

@@ -11,11 +11,13 @@
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/project/weight_sheet.h>
 #include <puppetwarp/project/weights_cache.h>
+#include <puppetwarp/rig/add_cage.h>
 #include <puppetwarp/rig/snap.h>
 #include <puppetwarp/weights/weight_text.h>
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 namespace puppetwarp::cli {
 
@@ -27,6 +29,7 @@ struct WeightsRequest {
     std::optional<std::string> rig;
     std::vector<std::string> pins;
     WeightChoice choice;
+    HandleChoice handles;
     std::string output;
     double pin_snap_px = 0;
     WeightSheetOptions sheet;
@@ -50,6 +53,7 @@ OutputFormat format_of(const std::string& output) {
 
 // What weights are made for.
 struct Subject {
+    Puppet puppet;
     TriangleMesh mesh;
     Rig rig;
     WeightOptions options;
@@ -60,37 +64,58 @@ bool is_mesh_file(const std::filesystem::path& path) {
     return extension == ".off" || extension == ".obj";
 }
 
+void require_good_outputs(std::vector<std::filesystem::path> inputs, const WeightsRequest& request) {
+    const Files files{
+        std::move(inputs), {request.output, request.report.file, request.handles.save_puppet}, request.report.json};
+    require_good_outputs(files, request.force);
+}
+
 Subject subject_of_mesh(const WeightsRequest& request) {
-    if (!request.rig) {
-        throw InvalidInput(request.input, "a mesh has no handles of its own", "add --rig PUPPET");
+    if (!request.rig && request.handles.automatic_cage == 0) {
+        throw InvalidInput(request.input, "a mesh has no handles of its own", "add --rig PUPPET or --auto-cage N");
     }
-    Puppet puppet = read_puppet(*request.rig);
+    Subject subject;
+    if (request.rig) subject.puppet = read_puppet(*request.rig);
     Pose pose;
-    add_pins(puppet, pose, request.pins);
-    require_sound(puppet.rig);
-    std::vector<std::filesystem::path> inputs = input_files(*request.rig, puppet);
+    add_pins(subject.puppet, pose, request.pins);
+    require_sound(subject.puppet.rig);
+    std::vector<std::filesystem::path> inputs;
+    if (request.rig) inputs = input_files(*request.rig, subject.puppet);
     inputs.emplace_back(request.input);
-    require_good_outputs({inputs, {request.output, request.report.file}, request.report.json}, request.force);
-    const TriangleMesh mesh = read_mesh(request.input);
-    return {mesh, snapped(load_rig_for_mesh(puppet), mesh, request.pin_snap_px),
-            request.choice.options(puppet.method.weights)};
+    require_good_outputs(inputs, request);
+    subject.mesh = read_mesh(request.input);
+    subject.rig = snapped(load_rig_for_mesh(subject.puppet), subject.mesh, request.pin_snap_px);
+    if (request.handles.automatic_cage > 0) {
+        add_automatic_cage(subject.rig, subject.mesh, request.handles.automatic_cage);
+    }
+    return subject;
 }
 
 Subject subject_of_picture(const WeightsRequest& request) {
     if (request.rig) throw InvalidInput("--rig", "goes with a mesh", "a puppet file has its own handles");
-    Puppet puppet = open_puppet(request.input);
+    Subject subject;
+    subject.puppet = open_puppet(request.input);
     Pose pose;
-    add_pins(puppet, pose, request.pins);
-    require_sound(puppet.rig);
-    require_good_outputs(
-        {input_files(request.input, puppet), {request.output, request.report.file}, request.report.json},
-        request.force);
-    const Image image = load_image(puppet);
-    const Cutout cutout = cut_out_subject(puppet, image);
-    const Outline outline = outline_subject(puppet, image.width(), image.height(), cutout);
-    const TriangleMesh mesh = mesh_for_weights(puppet, outline);
-    const Rig rig = load_rig(puppet, image.width(), image.height());
-    return {mesh, snapped(rig, mesh, request.pin_snap_px), request.choice.options(puppet.method.weights)};
+    add_pins(subject.puppet, pose, request.pins);
+    require_sound(subject.puppet.rig);
+    require_good_outputs(input_files(request.input, subject.puppet), request);
+    const Image image = load_image(subject.puppet);
+    const Cutout cutout = cut_out_subject(subject.puppet, image);
+    const Outline outline = outline_subject(subject.puppet, image.width(), image.height(), cutout);
+    subject.mesh = mesh_for_weights(subject.puppet, outline);
+    const Rig rig = load_rig(subject.puppet, image.width(), image.height());
+    subject.rig = snapped(rig, subject.mesh, request.pin_snap_px);
+    if (request.handles.automatic_cage > 0) {
+        add_automatic_cage(subject.rig, outline, request.handles.automatic_cage);
+    }
+    return subject;
+}
+
+Subject subject_of(const WeightsRequest& request) {
+    Subject subject = is_mesh_file(request.input) ? subject_of_mesh(request) : subject_of_picture(request);
+    subject.options = request.choice.options(subject.puppet.method.weights);
+    subject.puppet.method.weights = subject.options;
+    return subject;
 }
 
 Json weights_json(const Subject& subject, const Weights& weights, const RenderReport& times) {
@@ -129,13 +154,14 @@ int make_weights(const WeightsRequest& request, const GlobalOptions& global) {
     format_of(request.output);  // complains before any work
     RenderReport times;
     StageTimer timer(times.timings_ms);
-    const Subject subject = is_mesh_file(request.input) ? subject_of_mesh(request) : subject_of_picture(request);
+    const Subject subject = subject_of(request);
     timer.end("read");
     ProgressBar progress(global.quiet);
     const Weights weights = cached_weights(subject.mesh, subject.rig, subject.options,
                                            request.choice.cache_beside(request.rig.value_or(request.input)), progress);
     timer.end("weights");
     write_weights(subject, weights, request, progress);
+    request.handles.save(subject.puppet, subject.rig);
     timer.end("write");
     times.warnings = weights.warnings;
     if (!global.quiet) print_warnings(times);
@@ -165,6 +191,7 @@ void add_weights_command(CLI::App& app, const GlobalOptions& global, int& exit_c
         ->type_name("X,Y")
         ->allow_extra_args(false);
     request->choice.add_to(*weights, "--kind");
+    request->handles.add_to(*weights);
     weights->add_option("--pin-snap", request->pin_snap_px, "Move pins at most PX pixels outside the subject onto it")
         ->type_name("PX")
         ->check(not_negative());

@@ -1,6 +1,7 @@
 #include <puppetwarp/mesh/extended_mesh.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/mesh/boundary_edges.h>
 #include <puppetwarp/mesh/constrained_triangles.h>
 #include <puppetwarp/mesh/locate.h>
 #include <puppetwarp/mesh/outline.h>
@@ -51,6 +52,7 @@ public:
     }
 
     ExtendedMesh build() {
+        insert_frame();
         insert_rings();
         insert_vertices();
         insert_boundary();
@@ -99,6 +101,18 @@ private:
         for (const int v : keep) kept_[static_cast<std::size_t>(v)] = true;
     }
 
+    // Far around everything, so that where a ring hardly bends, its corners make no slivers on the side away from the
+    // domain: places on its edges are rounded, and could be beyond those.
+    void insert_frame() {
+        Eigen::AlignedBox2d box;
+        for (const Segment& edge : edges_) box.extend(edge.a);
+        for (Eigen::Index v = 0; v < mesh_.V.rows(); ++v) box.extend(Point(mesh_.V.row(v).transpose()));
+        const double reach = box.diagonal().norm();
+        for (const double x : {box.min().x() - reach, box.max().x() + reach}) {
+            for (const double y : {box.min().y() - reach, box.max().y() + reach}) cdt_.insert({x, y});
+        }
+    }
+
     void insert_rings() {
         for (const Segment& edge : edges_) {
             const Cdt::Vertex_handle a = cdt_.insert({edge.a.x(), edge.a.y()}),
@@ -123,22 +137,6 @@ private:
         }
     }
 
-    // Edges of one triangle, from one end to the other as the triangle runs.
-    std::vector<std::pair<int, int>> boundary_edges() const {
-        std::vector<std::pair<int, int>> sides;
-        for (Eigen::Index t = 0; t < mesh_.F.rows(); ++t) {
-            for (int k = 0; k < 3; ++k) sides.emplace_back(mesh_.F(t, k), mesh_.F(t, (k + 1) % 3));
-        }
-        std::sort(sides.begin(), sides.end());
-        std::vector<std::pair<int, int>> lone;
-        for (const auto& side : sides) {
-            if (!std::binary_search(sides.begin(), sides.end(), std::pair(side.second, side.first))) {
-                lone.push_back(side);
-            }
-        }
-        return lone;
-    }
-
     // Whether an edge of the mesh comes so near to a ring that both together would make slivers.
     bool meets_ring(const Segment& s) const {
         const double least = crowding * (s.b - s.a).norm();
@@ -147,7 +145,7 @@ private:
     }
 
     void insert_boundary() {
-        for (const auto& [a, b] : boundary_edges()) {
+        for (const auto& [a, b] : boundary_edges(mesh_)) {
             const Segment s{position(a), position(b)};
             if (!kept_[static_cast<std::size_t>(a)] || !kept_[static_cast<std::size_t>(b)]) continue;
             if (in_ring(0.5 * (s.a + s.b)) || meets_ring(s)) continue;

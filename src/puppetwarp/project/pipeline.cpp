@@ -6,6 +6,7 @@
 #include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/project/weights_cache.h>
+#include <puppetwarp/rig/add_cage.h>
 #include <puppetwarp/rig/snap.h>
 #include <puppetwarp/warp/background.h>
 
@@ -97,13 +98,14 @@ Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, cons
     solved.mesh = mesh_subject(puppet, outline);
     timer.end("triangulate");
     solved.rig = snapped(load_rig(puppet, width, height, options.read), solved.mesh, options.pin_snap_px);
+    if (options.automatic_cage > 0) add_automatic_cage(solved.rig, outline, options.automatic_cage);
     const std::unique_ptr<Deformer> deformer =
         bound_deformer(puppet.method, solved.mesh, solved.rig, options.weights_cache, progress);
     timer.end("bind");
     Deformation deformation = deformer->deform(pose, nullptr, progress);
     timer.end("deform");
 
-    describe(puppet.method, solved.mesh, puppet.rig, deformation, report);
+    describe(puppet.method, solved.mesh, solved.rig, deformation, report);
     solved.moved = std::move(deformation.V);
     return solved;
 }
@@ -196,7 +198,7 @@ Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutou
 }
 
 Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& options, Progress& progress) {
-    if (puppet.rig.handles.empty()) {
+    if (puppet.rig.handles.empty() && options.automatic_cage == 0) {
         throw InvalidInput("puppet", "has no pins and no handles", "add --pin X,Y or handles to the puppet file");
     }
     Rendered rendered;

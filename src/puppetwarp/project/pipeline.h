@@ -47,6 +47,7 @@ struct RenderOptions {
     ReadOptions read;
     Interpolation interpolation = Interpolation::bicubic;
     CanvasChoice canvas;
+    int automatic_cage = 0;               //!< corners of a cage that is put around the subject; 0: none
     double pin_snap_px = 0;               //!< points at most this far outside the subject are moved onto it
     std::filesystem::path weights_cache;  //!< `weights_cache_path` of the puppet's file, or empty: weights are not kept
     std::string format;  //!< the file format the result is meant for (`output_format`), or empty: none in particular
@@ -84,7 +85,8 @@ struct Rendered {
     Image image;
     TriangleMesh mesh;
     Eigen::MatrixX2d moved;  //!< #V x 2
-    Rig rig;                 //!< as it took hold: points that were snapped onto the subject lie there
+    //! As it took hold: points that were snapped onto the subject lie there, and an automatic cage comes last.
+    Rig rig;
     RenderReport report;
 };
 

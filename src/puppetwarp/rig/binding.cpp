@@ -145,7 +145,7 @@ void Binder::take(const VertexHandle& vertex) {
 
 void Binder::take(const CageHandle&) {
     throw InvalidInput("handle '" + handle().id + "'", "a cage cannot drive '" + std::string(user_) + "'",
-                       "use points, bones, regions, or vertices of a mesh file");
+                       "use the method lbs, or points, bones or regions");
 }
 
 // Whether the hold is the same as an earlier one, which then holds for both.

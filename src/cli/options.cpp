@@ -1,5 +1,7 @@
 #include "options.h"
 
+#include "option_table.h"
+
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/input_file.h>
 #include <puppetwarp/base/output_file.h>
@@ -138,11 +140,13 @@ void WeightChoice::add_to(CLI::App& subcommand, const std::string& option) {
         .add_option(option, kind,
                     (beside_method ? "Of fast, lbs, dual-complex and intrinsic: " : "") + kinds +
                         " (default: the puppet file's, else bbw)")
-        ->type_name("KIND");
+        ->type_name("KIND")
+        ->check(completed_by(weight_kind_names()));
     subcommand
         .add_option("--partition", partition,
                     "Of bbw: coupled (default), weights sum to 1 in the minimisation, or normalised, afterwards")
-        ->type_name("P");
+        ->type_name("P")
+        ->check(completed_by({partition_name(Partition::coupled), partition_name(Partition::normalised)}));
     subcommand
         .add_option("--l1-budget", l1_budget,
                     "Of l1: largest integral of a weight, as a share of what it has without (0 to 1, default 0.8)")
@@ -162,6 +166,14 @@ WeightOptions WeightChoice::options(WeightOptions usual) const {
     if (partition) usual.partition = partition_from_name(*partition);
     if (l1_budget) usual.l1_budget = *l1_budget;
     return usual;
+}
+
+std::vector<std::string> arap_energy_names() {
+    std::vector<std::string> names;
+    for (const ArapEnergy energy : {ArapEnergy::elements, ArapEnergy::spokes, ArapEnergy::spokes_and_rims}) {
+        names.push_back(arap_energy_name(energy));
+    }
+    return names;
 }
 
 std::string method_list() {

@@ -51,6 +51,9 @@ struct WeightChoice {
     std::filesystem::path cache_beside(const std::filesystem::path& input) const;
 };
 
+//! The names of `ArapEnergy`.
+std::vector<std::string> arap_energy_names();
+
 //! The names of all methods, for help texts.
 std::string method_list();
 

@@ -52,6 +52,14 @@ run("${CMAKE_COMMAND}" -S "${source}" -B "${consumer}" -G Ninja "-DCMAKE_PREFIX_
     -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}")
 run("${CMAKE_COMMAND}" --build "${consumer}")
 run("${consumer}/consumer")
+foreach(file share/man/man1/puppetwarp.1 share/man/man1/puppetwarp-warp.1 share/man/man1/puppetwarp-diff.1
+             share/bash-completion/completions/puppetwarp share/zsh/site-functions/_puppetwarp
+             share/fish/vendor_completions.d/puppetwarp.fish)
+  file(SIZE "${prefix}/${file}" size)  # fails where there is none
+  if(size LESS 500)
+    message(FATAL_ERROR "${file} has ${size} bytes")
+  endif()
+endforeach()
 
 # No golden picture: a failure, until somebody accepts one.
 test_failing(square "there is no golden picture yet" "UPDATE_GOLDENS=1" "${consumer}/image-tests/square.actual.png")

@@ -68,7 +68,7 @@ public:
         for (const OptionRow& option : command.options) {
             if (option.value.empty()) continue;
             std::vector<std::string>& patterns = patterns_of(chooser(option));
-            for (const std::string& name : option.names) patterns.push_back(subcommand + ":" + name);
+            for (const std::string& name : option.names) patterns.emplace_back(subcommand).append(":").append(name);
         }
     }
     std::string text() const {

@@ -200,11 +200,20 @@ void add_pins(Puppet& puppet, Pose& pose, const std::vector<std::string>& pins) 
     }
 }
 
-bool is_puppet_file(const fs::path& path) {
+std::string lower_extension(const fs::path& path) {
     std::string extension = path.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return std::tolower(c); });
-    return extension == ".json";
+    return extension;
+}
+
+bool is_puppet_file(const fs::path& path) {
+    return lower_extension(path) == ".json";
+}
+
+bool is_mesh_file(const fs::path& path) {
+    const std::string extension = lower_extension(path);
+    return extension == ".off" || extension == ".obj";
 }
 
 Puppet open_puppet(const fs::path& path) {

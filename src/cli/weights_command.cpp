@@ -55,11 +55,6 @@ struct Subject {
     WeightOptions options;
 };
 
-bool is_mesh_file(const std::filesystem::path& path) {
-    const std::string extension = path.extension().string();
-    return extension == ".off" || extension == ".obj";
-}
-
 Subject subject_of_mesh(const WeightsRequest& request) {
     if (!request.rig) {
         throw InvalidInput(request.input, "a mesh has no handles of its own", "add --rig PUPPET");

@@ -157,10 +157,11 @@ protected:
 
     // What bash offers for the last word of a line; `--option=value` is three words to it.
     std::vector<std::string> complete(std::vector<std::string> line) const {
-        line.insert(line.begin(), {"/bin/bash", "--norc", "-c",
-                                   "cd \"$0\" && . ./completion && COMP_WORDS=(puppetwarp \"$@\") COMP_CWORD=$#; "
-                                   "_puppetwarp; if ((${#COMPREPLY[@]})); then printf '%s\\n' \"${COMPREPLY[@]}\"; fi",
-                                   folder.path()});
+        const std::string script = R"(cd "$0" && . ./completion
+            COMP_WORDS=(puppetwarp "$@") COMP_CWORD=$#
+            _puppetwarp
+            if ((${#COMPREPLY[@]})); then printf '%s\n' "${COMPREPLY[@]}"; fi)";
+        line.insert(line.begin(), {"/bin/bash", "--norc", "-c", script, folder.path()});
         const CommandResult result = run_command(line);
         EXPECT_EQ(result.errors, "");
         std::vector<std::string> words = lines_of(result.output);

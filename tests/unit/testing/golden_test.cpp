@@ -49,7 +49,7 @@ protected:
     Golden() { write_image(gradient(), goldens / "star.png"); }
 
     GoldenResult check(const Image& actual, const std::string& golden = "star.png", double threshold = 0) const {
-        return check_golden(actual, golden, {{threshold}, goldens.path(), output});
+        return check_golden(actual, golden, {{.threshold = threshold}, goldens.path(), output});
     }
     bool shows(const std::string& name) const { return fs::exists(output / name); }
 

@@ -30,8 +30,10 @@ int complain_of_usage(const CLI::App& app, const CLI::ParseError& error) {
 }
 
 void add_global_options(CLI::App& app, GlobalOptions& global) {
-    app.set_version_flag("--version", "puppetwarp " PUPPETWARP_VERSION);
-    app.add_option("-j,--threads", global.threads, "Threads to use (default: all cores)")->check(CLI::Range(1, 1024));
+    app.set_version_flag("--version", "puppetwarp " PUPPETWARP_VERSION, "Print the version");
+    app.add_option("-j,--threads", global.threads, "Threads to use, 1 to 1024 (default: all cores)")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024));
     app.add_flag("-q,--quiet", global.quiet, "No progress, no warnings, no summary");
     app.add_flag("-v,--verbose", global.verbose, "Tell what each stage took");
     app.set_help_flag("-h,--help", "Print this help");
@@ -63,6 +65,9 @@ int run(int argc, const char* const* argv) {
         add_diff_command(app, global, exit_code);
         add_compare_command(app, global, exit_code);
         add_info_command(app, global, exit_code);
+        add_schema_command(app, global, exit_code);
+        add_completion_command(app, global, exit_code);
+        add_man_command(app, global, exit_code);
         app.footer("Example:\n  puppetwarp warp photo.jpg --pin 100,200 --pin 320,90:360,40 -o out.jpg");
         app.parse(argc, argv);
         if (app.get_subcommands().empty()) {

@@ -28,6 +28,9 @@ void add_weights_command(CLI::App& app, const GlobalOptions& global, int& exit_c
 void add_diff_command(CLI::App& app, const GlobalOptions& global, int& exit_code);
 void add_compare_command(CLI::App& app, const GlobalOptions& global, int& exit_code);
 void add_info_command(CLI::App& app, const GlobalOptions& global, int& exit_code);
+void add_schema_command(CLI::App& app, const GlobalOptions& global, int& exit_code);
+void add_completion_command(CLI::App& app, const GlobalOptions& global, int& exit_code);
+void add_man_command(CLI::App& app, const GlobalOptions& global, int& exit_code);
 
 //! Adds a subcommand with its example under the options of `--help`.
 CLI::App* add_subcommand(CLI::App& app, const std::string& name, const std::string& description,

@@ -1,4 +1,5 @@
 #include "command.h"
+#include "option_table.h"
 #include "options.h"
 #include "report.h"
 #include "terminal.h"
@@ -142,7 +143,8 @@ void add_sheet_options(CLI::App& compare, CompareRequest& request) {
                     }
                     return list;
                 }())
-        ->type_name("M,M,...");
+        ->type_name("M,M,...")
+        ->check(completed_by_list_of(method_names()));
     compare
         .add_option("--show", request.show,
                     "picture (default), or distortion: triangles red where they grow, blue where they shrink, grey "

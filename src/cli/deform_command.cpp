@@ -1,4 +1,5 @@
 #include "command.h"
+#include "option_table.h"
 #include "options.h"
 #include "report.h"
 #include "terminal.h"
@@ -117,9 +118,11 @@ void add_deform_command(CLI::App& app, const GlobalOptions& global, int& exit_co
     deform->add_option("--pose", request->pose, "A pose of the puppet file (default: its first); rest: the rest pose")
         ->type_name("NAME");
     deform->add_option("--method", request->method, method_list() + " (default: the puppet file's, else arap)")
-        ->type_name("M");
+        ->type_name("M")
+        ->check(completed_by(method_names()));
     deform->add_option("--arap-energy", request->arap_energy, "elements (default), spokes, spokes-and-rims")
-        ->type_name("E");
+        ->type_name("E")
+        ->check(completed_by(arap_energy_names()));
     deform->add_option("--max-iterations", request->max_iterations, "Of iterative methods, at least 1")
         ->type_name("N")
         ->check(above_zero());

@@ -1,5 +1,7 @@
 #include "options.h"
 
+#include "option_table.h"
+
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/input_file.h>
 #include <puppetwarp/base/output_file.h>
@@ -139,11 +141,13 @@ void WeightChoice::add_to(CLI::App& subcommand, const std::string& option) {
         .add_option(option, kind,
                     (beside_method ? "Of fast, lbs, dual-complex and intrinsic: " : "") + kinds +
                         " (default: the puppet file's, else bbw)")
-        ->type_name("KIND");
+        ->type_name("KIND")
+        ->check(completed_by(weight_kind_names()));
     subcommand
         .add_option("--partition", partition,
                     "Of bbw: coupled (default), weights sum to 1 in the minimisation, or normalised, afterwards")
-        ->type_name("P");
+        ->type_name("P")
+        ->check(completed_by({partition_name(Partition::coupled), partition_name(Partition::normalised)}));
     subcommand
         .add_option("--l1-budget", l1_budget,
                     "Of l1: largest integral of a weight, as a share of what it has without (0 to 1, default 0.8)")
@@ -183,6 +187,14 @@ void HandleChoice::save(Puppet puppet, const Rig& rig) const {
     write_puppet(puppet, save_puppet);
 }
 
+std::vector<std::string> arap_energy_names() {
+    std::vector<std::string> names;
+    for (const ArapEnergy energy : {ArapEnergy::elements, ArapEnergy::spokes, ArapEnergy::spokes_and_rims}) {
+        names.push_back(arap_energy_name(energy));
+    }
+    return names;
+}
+
 std::string method_list() {
     std::string list;
     for (const std::string& name : method_names()) list += (list.empty() ? "" : ", ") + name;
@@ -207,11 +219,20 @@ void add_pins(Puppet& puppet, Pose& pose, const std::vector<std::string>& pins) 
     }
 }
 
-bool is_puppet_file(const fs::path& path) {
+std::string lower_extension(const fs::path& path) {
     std::string extension = path.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return std::tolower(c); });
-    return extension == ".json";
+    return extension;
+}
+
+bool is_puppet_file(const fs::path& path) {
+    return lower_extension(path) == ".json";
+}
+
+bool is_mesh_file(const fs::path& path) {
+    const std::string extension = lower_extension(path);
+    return extension == ".off" || extension == ".obj";
 }
 
 Puppet open_puppet(const fs::path& path) {

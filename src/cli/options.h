@@ -63,14 +63,23 @@ struct HandleChoice {
     void save(Puppet puppet, const Rig& rig) const;
 };
 
+//! The names of `ArapEnergy`.
+std::vector<std::string> arap_energy_names();
+
 //! The names of all methods, for help texts.
 std::string method_list();
 
 //! Adds pins to a puppet's rig, and their targets to `pose`.
 void add_pins(Puppet& puppet, Pose& pose, const std::vector<std::string>& pins);
 
+//! `.png` of `A.PNG`; empty when there is none.
+std::string lower_extension(const std::filesystem::path& path);
+
 //! True when a file is a puppet file: its name ends in `.json`.
 bool is_puppet_file(const std::filesystem::path& path);
+
+//! True when a file is a mesh: its name ends in `.off` or `.obj`.
+bool is_mesh_file(const std::filesystem::path& path);
 
 //! A puppet from a puppet file, or one around a picture. \throw InvalidInput  as `read_puppet`; missing picture.
 Puppet open_puppet(const std::filesystem::path& path);

@@ -1,4 +1,5 @@
 #include "command.h"
+#include "option_table.h"
 #include "options.h"
 #include "report.h"
 #include "terminal.h"
@@ -137,9 +138,11 @@ void add_method_options(CLI::App& warp, WarpRequest& request) {
         ->type_name("NAME");
     warp.add_option("--method", request.method,
                     "How the mesh follows: " + method_list() + " (default: the puppet file's, else arap)")
-        ->type_name("M");
+        ->type_name("M")
+        ->check(completed_by(method_names()));
     warp.add_option("--arap-energy", request.arap_energy, "elements (default), spokes, spokes-and-rims")
-        ->type_name("E");
+        ->type_name("E")
+        ->check(completed_by(arap_energy_names()));
     request.weights.add_to(warp, "--weights");
     request.handles.add_to(warp);
     warp.add_option("--pin-snap", request.pin_snap_px, "Move pins at most PX pixels outside the subject onto it")
@@ -149,10 +152,14 @@ void add_method_options(CLI::App& warp, WarpRequest& request) {
 
 void add_picture_options(CLI::App& warp, WarpRequest& request) {
     warp.add_option("--canvas", request.canvas, "keep (default), grow so that nothing is cut off, or WxH+X+Y")
-        ->type_name("C");
-    warp.add_option("--interpolation", request.interpolation, "nearest, bilinear, bicubic (default)")->type_name("I");
+        ->type_name("C")
+        ->check(completed_by({"keep", "grow"}));
+    warp.add_option("--interpolation", request.interpolation, "nearest, bilinear, bicubic (default)")
+        ->type_name("I")
+        ->check(completed_by(interpolation_names()));
     warp.add_option("--background", request.background, "transparent (default), keep, #rrggbb or #rrggbbaa")
-        ->type_name("B");
+        ->type_name("B")
+        ->check(completed_by({"transparent", "keep"}));
     warp.add_option("--overlay", request.overlay, "Draw over the result: mesh, handles or both")
         ->type_name("mesh,handles")
         ->delimiter(',')

@@ -59,11 +59,6 @@ struct Subject {
     WeightOptions options;
 };
 
-bool is_mesh_file(const std::filesystem::path& path) {
-    const std::string extension = path.extension().string();
-    return extension == ".off" || extension == ".obj";
-}
-
 void require_good_outputs(std::vector<std::filesystem::path> inputs, const WeightsRequest& request) {
     const Files files{
         std::move(inputs), {request.output, request.report.file, request.handles.save_puppet}, request.report.json};

@@ -272,24 +272,12 @@ TEST_F(Contract, Diff) {
 
 TEST_F(Contract, HelpAndVersionEverywhere) {
     EXPECT_EQ(run({"--version"}).output, "puppetwarp 0.1.0\n");
-    for (const std::string command : {"warp", "mesh", "deform", "diff", "info"}) {
+    for (const std::string command : {"warp", "mesh", "deform", "diff", "info", "schema", "completion", "man"}) {
         const CommandResult help = run({command, "--help"});
         EXPECT_EQ(help.exit_code, 0);
         EXPECT_THAT(help.output, testing::HasSubstr("Example:"));
         EXPECT_THAT(help.output, testing::HasSubstr("puppetwarp " + command));
     }
-}
-
-TEST_F(Contract, Info) {
-    write_image(noise_picture(90, 70, CV_16UC4), folder / "in.png");
-    const Json info = Json::parse(run({"info", folder / "in.png", "--json"}).output);
-    EXPECT_EQ(info["width"], 90);
-    EXPECT_EQ(info["height"], 70);
-    EXPECT_EQ(info["bits"], 16);
-    EXPECT_EQ(info["alpha"], true);
-    const CommandResult mixed = run({"info", folder / "in.png", folder / "missing.png"});
-    EXPECT_EQ(mixed.exit_code, 2);
-    EXPECT_THAT(mixed.output, testing::HasSubstr("90"));
 }
 
 TEST_F(Contract, MeshAndDeformGoTogether) {

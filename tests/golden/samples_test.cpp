@@ -1,11 +1,8 @@
 #include "samples.h"
 
-#include <gtest/gtest.h>
-#include <puppetwarp/diff/compare.h>
 #include <puppetwarp/image/read.h>
-#include <puppetwarp/image/write.h>
+#include <puppetwarp/testing/image_test.h>
 
-#include <filesystem>
 #include <ostream>
 
 namespace samples {
@@ -21,20 +18,10 @@ class CommittedSample : public ::testing::TestWithParam<Sample> {};
 // Within one level of 8 bits: another processor's mathematics library may round the last bit otherwise.
 TEST_P(CommittedSample, IsWhatTheProgramDraws) {
     const auto& [name, draw] = GetParam();
-    const std::filesystem::path committed = std::filesystem::path(PUPPETWARP_SOURCE_DIR) / "images" / (name + ".png");
-    const puppetwarp::Image expected = puppetwarp::read_image(committed), actual = draw();
-    const puppetwarp::Comparison comparison = puppetwarp::compare(expected, actual, {.threshold = 1 / 255.0});
-    EXPECT_EQ(expected.pixels.depth(), actual.pixels.depth());
-    if (comparison.same) return;
-
-    const std::filesystem::path folder = std::filesystem::path(PUPPETWARP_BINARY_DIR) / "golden";
-    std::filesystem::create_directories(folder);
-    puppetwarp::write_image(actual, folder / (name + ".actual.png"));
-    if (comparison.comparable) {
-        puppetwarp::write_image(puppetwarp::heat_map(expected, actual), folder / (name + ".heatmap.png"));
-    }
-    ADD_FAILURE() << committed << " is not what draw_samples draws: " << comparison.reason << "; see "
-                  << folder / (name + ".actual.png") << " and " << name << ".heatmap.png";
+    const puppetwarp::Image drawn = draw();
+    ASSERT_IMAGE_NEAR(drawn, name + ".png", {.compare = {.threshold = 1 / 255.0}});
+    const puppetwarp::ImageInfo committed = puppetwarp::read_image_info(PUPPETWARP_GOLDEN_FOLDER "/" + name + ".png");
+    EXPECT_EQ(committed.bits, 8 * static_cast<int>(drawn.pixels.elemSize1()));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, CommittedSample, ::testing::ValuesIn(all_samples()),

@@ -3,7 +3,7 @@
 if(NOT PUPPETWARP_ROOT)
   cmake_path(SET PUPPETWARP_ROOT NORMALIZE "${CMAKE_CURRENT_LIST_DIR}/../..")
 endif()
-set(rooms base image cutout mesh solve rig weights deform warp diff project)
+set(rooms base image cutout mesh solve rig weights deform warp diff project testing)
 set(failures "")
 
 # complain(FILE INCLUDE REASON)
@@ -61,6 +61,8 @@ foreach(room IN LISTS rooms)
         if(public GREATER_EQUAL 0 AND included_public LESS 0)
           complain(${source} ${include} "an installed header needs one that is not installed")
         endif()
+      elseif(own_name STREQUAL "puppetwarp/testing/image_test.h" AND include STREQUAL "<gtest/gtest.h>")
+        # Of puppetwarp::testing, which is for tests alone.
       elseif(public GREATER_EQUAL 0 AND NOT include MATCHES "^<(Eigen/(Core|Dense|Geometry)|opencv2/core/mat\\.hpp|[a-z0-9_]+)>$")
         complain(${source} ${include} "installed headers show only the standard library, dense Eigen types and cv::Mat")
       endif()

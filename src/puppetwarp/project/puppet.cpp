@@ -3,6 +3,7 @@
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/input_file.h>
 #include <puppetwarp/base/output_file.h>
+#include <puppetwarp/project/json_schema.h>
 #include <puppetwarp/project/puppet_json.h>
 
 #include <algorithm>
@@ -54,7 +55,10 @@ std::string dump(const Json& json, int indent) {
 
 Puppet parse_puppet(std::string_view text, const std::string& subject, const fs::path& folder) {
     const Json json = parse_json(text, subject);
-    Puppet puppet = puppet_from_json(JsonReader(json, subject));
+    const JsonReader document(json, subject);
+    Puppet puppet = puppet_from_json(document);
+    // Its own complaints are the better ones; what it lets pass is held against what `puppet_schema` promises.
+    if (const std::string fault = schema_fault(json, json_of_puppet_schema()); !fault.empty()) document.fail(fault);
     puppet.folder = folder;
     puppet.source = text;
     return puppet;

@@ -155,7 +155,7 @@ void require_fields(const std::string& subject, const AllowedFields& allowed, co
     }
 }
 
-constexpr double most_turn_rad = 2000 * std::numbers::pi;
+constexpr double most_turn_rad = 2000 * std::numbers::pi * (1 + 1e-12);  // 360,000 degrees, however rounded
 // Beyond, numbers lose what the mesh is made of.
 constexpr double most_scale = 1e6;
 

@@ -3,6 +3,7 @@
 #include <puppetwarp/diff/alignment.h>
 #include <puppetwarp/diff/antialiasing.h>
 #include <puppetwarp/diff/dense_window.h>
+#include <puppetwarp/diff/flip.h>
 #include <puppetwarp/diff/metadata_difference.h>
 #include <puppetwarp/diff/row_reader.h>
 #include <puppetwarp/diff/selection.h>
@@ -82,6 +83,18 @@ void fill_channel_figures(const ChannelFigures& figures, Examination& result) {
     comparison.actual_at_max = values_at(result.pair.actual, figures.max_x, figures.max_y);
 }
 
+void fill_flip(const CompareOptions& options, bool keep_errors, Examination& result) {
+    Comparison& comparison = result.comparison;
+    if (keep_errors) result.errors = cv::Mat::zeros(result.part.size(), CV_32F);
+    const FlipFigures figures = flip(result.pair, options.pixels_per_degree, comparison.threshold, result.marks,
+                                     keep_errors ? &result.errors : nullptr);
+    comparison.flip = figures.mean;
+    comparison.flip_max = figures.max;
+    if (figures.max_x < 0) return;
+    comparison.flip_max_x = result.part.x + figures.max_x;
+    comparison.flip_max_y = result.part.y + figures.max_y;
+}
+
 void fill_differing(Examination& result) {
     Comparison& comparison = result.comparison;
     const MarkedArea area = marked_area(result.marks, kOver);
@@ -129,7 +142,7 @@ Incomparable why_incomparable(const Image& expected, const Image& actual, AlphaR
     return {};
 }
 
-Examination examine(const Image& expected, const Image& actual, const CompareOptions& options, bool /*keep_errors*/) {
+Examination examine(const Image& expected, const Image& actual, const CompareOptions& options, bool keep_errors) {
     require_sound(options);
     Examination result;
     Comparison& comparison = result.comparison;
@@ -146,6 +159,7 @@ Examination examine(const Image& expected, const Image& actual, const CompareOpt
         result.marks = cv::Mat::zeros(result.part.size(), CV_8U);
         fill_channel_figures(measure(result.pair, options.window_threshold, pixel_threshold(options), result.marks),
                              result);
+        if (comparison.metric == DiffMetric::flip) fill_flip(options, keep_errors, result);
         if (comparison.metric == DiffMetric::ssim || options.min_ssim) comparison.ssim = ssim(result.pair);
         if (options.antialiasing) comparison.antialiased_pixels = tolerate_antialiased(result.pair, result.marks);
         fill_differing(result);

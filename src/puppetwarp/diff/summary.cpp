@@ -34,8 +34,11 @@ void print_figures(const Comparison& comparison, std::ostream& out) {
 void print_more(const Comparison& comparison, std::ostream& out) {
     if (comparison.ssim) out << "  SSIM = " << *comparison.ssim << '\n';
     if (comparison.flip) {
-        out << "  FLIP mean = " << *comparison.flip << ", max = " << comparison.flip_max << " @ ("
-            << comparison.flip_max_x << ", " << comparison.flip_max_y << ")\n";
+        out << "  FLIP mean = " << *comparison.flip << ", max = " << comparison.flip_max;
+        if (comparison.flip_max_x >= 0) {
+            out << " @ (" << comparison.flip_max_x << ", " << comparison.flip_max_y << ')';
+        }
+        out << '\n';
     }
     if (comparison.antialiased_pixels > 0) {
         out << "  " << comparison.antialiased_pixels << " pixels tolerated as antialiased\n";

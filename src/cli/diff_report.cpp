@@ -1,5 +1,9 @@
 #include "diff_report.h"
 
+#include <puppetwarp/diff/printable.h>
+
+#include <iostream>
+
 namespace puppetwarp::cli {
 
 namespace {
@@ -77,6 +81,50 @@ Json report_json(const Comparison& comparison) {
     add_figures(comparison, json);
     add_more(comparison, json);
     return json;
+}
+
+Json report_json(const FolderComparison& comparison) {
+    Json json;
+    json["same"] = comparison.same;
+    json["pairs"] = comparison.pairs.size();
+    for (const auto& [key, state] : {std::pair{"same_pairs", PairState::same},
+                                     {"different_pairs", PairState::different},
+                                     {"not_compared_pairs", PairState::not_compared}}) {
+        json[key] = comparison.count(state);
+    }
+    json["missing"] = Json::array();
+    json["extra"] = Json::array();
+    json["links_not_followed"] = comparison.loops;
+    json["results"] = Json::array();
+    for (const PairResult& pair : comparison.pairs) {
+        if (pair.state == PairState::missing) json["missing"].push_back(pair.path);
+        if (pair.state == PairState::extra) json["extra"].push_back(pair.path);
+        Json result{{"path", pair.path}, {"state", pair_state_name(pair.state)}};
+        if (pair.state == PairState::not_compared) result["error"] = pair.error;
+        if (pair.state == PairState::same || pair.state == PairState::different) {
+            result.update(report_json(pair.comparison));
+        }
+        json["results"].push_back(std::move(result));
+    }
+    return json;
+}
+
+void print_folders(const FolderComparison& comparison) {
+    for (const PairResult& pair : comparison.pairs) {
+        if (pair.state == PairState::same || pair.state == PairState::not_compared) continue;
+        std::cout << pair_state_name(pair.state) << ": " << printable(pair.path);
+        if (pair.state == PairState::different) std::cout << ": " << pair.comparison.reason;
+        std::cout << '\n';
+    }
+    std::cout << (comparison.same ? "same: " : "different: ") << comparison.count(PairState::same) << " of "
+              << comparison.pairs.size() << " pictures are the same";
+    for (const PairState state :
+         {PairState::different, PairState::missing, PairState::extra, PairState::not_compared}) {
+        if (const std::size_t pairs = comparison.count(state)) {
+            std::cout << ", " << pairs << ' ' << pair_state_name(state);
+        }
+    }
+    std::cout << '\n';
 }
 
 }  // namespace puppetwarp::cli

@@ -120,12 +120,13 @@ void tint_what_is_not_compared(const Examination& examination, cv::Mat& map) {
     tint(left_out, map);
 }
 
-void draw_halo(const cv::Mat& differing, cv::Mat& map) {
+// \param coloured  what keeps its colour.
+void draw_halo(const cv::Mat& differing, const cv::Mat& coloured, cv::Mat& map) {
     const int reach = std::max(map.cols, map.rows) / kSidesAHalo;
     if (reach == 0) return;
     cv::Mat near;
     cv::dilate(differing, near, cv::getStructuringElement(cv::MORPH_RECT, {2 * reach + 1, 2 * reach + 1}));
-    map.setTo(cv::Scalar(kHalo[0], kHalo[1], kHalo[2]), near - differing);
+    map.setTo(cv::Scalar(kHalo[0], kHalo[1], kHalo[2]), near & ~coloured);
 }
 
 }  // namespace
@@ -140,9 +141,10 @@ Image heat_map_of(const Image& expected, const Examination& examination) {
     const std::uint8_t shown = examination.shown_marks;
     const auto draw = have_integers(pair.expected, pair.actual) ? draw_heat<std::uint16_t> : draw_heat<double>;
     parallel_for(0, part.rows, kBandRows, [&](int first, int last) { draw(examination, shown, first, last, part); });
-    cv::Mat differing = cv::Mat::zeros(map.size(), CV_8U);
-    differing(examination.part).setTo(1, (examination.marks & shown) != 0);
-    draw_halo(differing, map);
+    cv::Mat differing = cv::Mat::zeros(map.size(), CV_8U), coloured = differing.clone();
+    differing(examination.part).setTo(255, (examination.marks & shown) != 0);
+    coloured(examination.part).setTo(255, (examination.marks & (shown | kAntialiased)) != 0);
+    draw_halo(differing, coloured, map);
     Image result;
     result.pixels = map;
     return result;

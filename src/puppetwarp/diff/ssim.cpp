@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -124,29 +125,30 @@ struct Sum {
 class Band {
 public:
     Band(const AlignedPair& pair, float background, const Weights& along_x, const Weights& along_y)
-        : rows_(pair, background),
+        : pair_(pair),
+          rows_(pair, background),
           along_x_(along_x),
           along_y_(along_y),
           width_(pair.expected.cols),
           weighed_(width_),
-          means_(width_ - 2 * along_x.reach) {
-        for (int i = 0; i <= 2 * along_y.reach; ++i) ring_.emplace_back(width_);
+          means_(windows()) {
+        for (int i = 0; i <= 2 * along_y.reach; ++i) ring_.push_back({Moments(width_), -1});
     }
 
-    void read(int y) {
-        rows_.read(y, 0, width_);
-        moments_of(rows_, width_, ring_[static_cast<std::size_t>(y) % ring_.size()]);
-    }
-
-    // The similarities of the windows whose middle is in row y: width - 2 reach of them, from column `reach` on.
+    // The similarities of the windows whose middle is in row y, from column `reach` on; null when all are 1, as of
+    // rows with the same bytes.
     const float* similarities(int y) {
-        std::vector<const float*> taps;
+        const int first = y - along_y_.reach, last = y + along_y_.reach;
+        for (int row = std::max(first, looked_at_ + 1); row <= last; ++row) {
+            if (!is_equal(row)) last_different_ = row;
+            looked_at_ = row;
+        }
+        if (last_different_ < first) return nullptr;
+        for (int row = first; row <= last; ++row) read(row);
         for (std::size_t moment = 0; moment < Moments::count; ++moment) {
-            taps.clear();
-            for (int tap = y - along_y_.reach; tap <= y + along_y_.reach; ++tap) {
-                taps.push_back(ring_[static_cast<std::size_t>(tap) % ring_.size()].rows[moment].data());
-            }
-            weigh_rows(taps, along_y_, width_, weighed_.rows[moment].data());
+            taps_.clear();
+            for (int row = first; row <= last; ++row) taps_.push_back(slot(row).moments.rows[moment].data());
+            weigh_rows(taps_, along_y_, width_, weighed_.rows[moment].data());
             weigh_columns(weighed_.rows[moment].data(), along_x_, windows(), means_.rows[moment].data());
         }
         similarity(means_, windows());
@@ -156,11 +158,35 @@ public:
     int windows() const { return width_ - 2 * along_x_.reach; }
 
 private:
+    struct Slot {
+        Moments moments;
+        int row;  // whose they are; -1: nobody's
+    };
+
+    Slot& slot(int row) { return ring_[static_cast<std::size_t>(row) % ring_.size()]; }
+
+    void read(int row) {
+        if (slot(row).row == row) return;
+        rows_.read(row, 0, width_);
+        moments_of(rows_, width_, slot(row).moments);
+        slot(row).row = row;
+    }
+
+    bool is_equal(int row) const {
+        const std::size_t bytes = static_cast<std::size_t>(width_) * pair_.expected.elemSize();
+        return pair_.expected.type() == pair_.actual.type() &&
+               std::memcmp(pair_.expected.ptr(row), pair_.actual.ptr(row), bytes) == 0;
+    }
+
+    const AlignedPair& pair_;
     SeenRows rows_;
     const Weights& along_x_;
     const Weights& along_y_;
     int width_;
-    std::vector<Moments> ring_;
+    int looked_at_ = -1;       // the last row whose bytes were compared
+    int last_different_ = -1;  // of these
+    std::vector<Slot> ring_;
+    std::vector<const float*> taps_;
     Moments weighed_;
     Moments means_;
 };
@@ -181,7 +207,7 @@ cv::Mat counted_windows(const cv::Mat& selected, int reach_x, int reach_y) {
 void add_row(const float* similarities, int windows, const std::uint8_t* counted, Sum& sum) {
     for (int x = 0; x < windows; ++x) {
         if (counted && !counted[x]) continue;
-        sum.similarity += similarities[x];
+        sum.similarity += similarities ? similarities[x] : 1;
         ++sum.windows;
     }
 }
@@ -194,9 +220,7 @@ double ssim_over(const AlignedPair& pair, float background) {
     parallel_for(0, rows, kSsimRows, [&](int first, int last) {
         Band band(pair, background, along_x, along_y);
         Sum sum;
-        for (int y = first; y < first + 2 * along_y.reach; ++y) band.read(y);
         for (int window = first; window < last; ++window) {
-            band.read(window + 2 * along_y.reach);
             add_row(band.similarities(window + along_y.reach), band.windows(),
                     counted.empty() ? nullptr : counted.ptr(window), sum);
         }

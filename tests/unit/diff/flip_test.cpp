@@ -235,6 +235,23 @@ TEST(Flip, IsThatOfThePaper) {
     }
 }
 
+TEST(Flip, TilesWithTheSameBytesAreNotLookedAtAndChangeNothing) {
+    std::mt19937 random(14);
+    const Image expected = spots(280, 90, CV_8U, 3, random);
+    Image actual;
+    actual.pixels = expected.pixels.clone();
+    actual.pixels.at<cv::Vec3b>(31, 255) = {255, 0, 255};
+    actual.pixels.at<cv::Vec3b>(89, 5) = {0, 0, 0};
+    cv::Mat errors;
+    flip_of(expected, actual, 40, errors);
+    const Field slow = slow_flip(expected, actual, 40);
+    for (int y = 0; y < 90; ++y) {
+        for (int x = 0; x < 280; ++x) {
+            ASSERT_NEAR(errors.at<float>(y, x), slow[static_cast<std::size_t>(y * 280 + x)], 2e-3) << x << "," << y;
+        }
+    }
+}
+
 TEST(Flip, TheLargestDistanceIsThatOfGreenAndBlue) {
     EXPECT_NEAR(ColourError().largest(), 41.276, 2e-3);
     EXPECT_NEAR(ColourError().of(std::pow(41.276F, 1 / 0.7F)), 1, 1e-4);

@@ -84,6 +84,15 @@ TEST(Ssim, IsThatOfThePaperInEveryDepthAndChannelCount) {
     }
 }
 
+TEST(Ssim, RowsWithTheSameBytesAreNotLookedAtAndChangeNothing) {
+    std::mt19937 random(13);
+    const Image expected = random_image(70, 400, CV_8U, 3, random);
+    Image actual;
+    actual.pixels = expected.pixels.clone();
+    for (const int y : {0, 63, 64, 200, 399}) actual.pixels.at<cv::Vec3b>(y, 40) = {0, 0, 0};
+    EXPECT_NEAR(1 - similarity(expected, actual), 1 - slow_similarity(expected, actual), 1e-8);
+}
+
 TEST(Ssim, ReadsSmoothBrightPicturesWithoutLosingTheirSmallVariances) {
     Image expected = blank_image(80, 80, CV_16U, 1), actual = blank_image(80, 80, CV_16U, 1);
     for (int y = 0; y < 80; ++y) {

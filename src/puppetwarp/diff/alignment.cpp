@@ -61,18 +61,17 @@ template <class Difference>
 double mean_difference(const Overlay& overlay, AlphaRule alpha, double give_up_over) {
     const double pixels = overlay.pixels();
     const int rows = overlay.expected.rows;
-    std::vector<double> sums(static_cast<std::size_t>(rows));
     double total = 0;
     for (int round = 0; round < std::min(kRounds, rows); ++round) {
         const int rows_now = (rows - round - 1) / kRounds + 1;
+        std::vector<double> sums(static_cast<std::size_t>(rows_now));
         parallel_for(0, rows_now, kRowsATask, [&](int first, int last) {
             RowDifference<Difference> differences(overlay.expected, overlay.actual, alpha);
             for (int i = first; i < last; ++i) {
-                const int y = round + i * kRounds;
-                sums[static_cast<std::size_t>(y)] = row_sum(differences, overlay.selected, y);
+                sums[static_cast<std::size_t>(i)] = row_sum(differences, overlay.selected, round + i * kRounds);
             }
         });
-        for (int i = 0; i < rows_now; ++i) total += sums[static_cast<std::size_t>(round + i * kRounds)];
+        total = std::accumulate(sums.begin(), sums.end(), total);
         if (total > give_up_over * pixels) return std::numeric_limits<double>::infinity();
     }
     return total / pixels;

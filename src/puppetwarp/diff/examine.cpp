@@ -57,6 +57,7 @@ template <class Sample>
 std::vector<double> values_as(const cv::Mat& pixels, int x, int y, double full) {
     const auto* sample = reinterpret_cast<const Sample*>(pixels.ptr(y, x));
     std::vector<double> values;
+    values.reserve(static_cast<std::size_t>(pixels.channels()));
     for (int c = 0; c < pixels.channels(); ++c) values.push_back(sample[c] / full);
     return values;
 }

@@ -105,15 +105,17 @@ CanvasChoice parse_canvas(const std::string& text) {
     return {CanvasChoice::Kind::given, canvas};
 }
 
-double parse_threshold(const std::string& text) {
+double parse_share(const std::string& text, const std::string& option) {
     const std::size_t slash = text.find('/');
-    double value = parse_number(text.substr(0, slash), "--threshold");
+    double value = parse_number(text.substr(0, slash), option);
     if (slash != std::string::npos) {
-        const double whole = parse_number(text.substr(slash + 1), "--threshold");
-        if (whole <= 0) throw InvalidInput("--threshold " + text, "divides by a number that is not above 0");
+        const double whole = parse_number(text.substr(slash + 1), option);
+        if (whole <= 0) throw InvalidInput(option + ' ' + text, "divides by a number that is not above 0");
         value /= whole;
     }
-    if (value < 0 || value > 1) throw InvalidInput("--threshold " + text, "must be between 0 and 1");
+    if (!(value >= 0 && value <= 1)) {
+        throw InvalidInput(option + ' ' + text, "is not between 0 and 1", "write it as 0.02 or as 4/255");
+    }
     return value;
 }
 

@@ -28,8 +28,8 @@ Pin parse_pin(const std::string& text);
 //! `keep`, `grow` or `WxH+X+Y` (either sign before X and Y; no X and Y: at the origin). \throw InvalidInput
 CanvasChoice parse_canvas(const std::string& text);
 
-//! A share of full scale: `0.02` or `4/255`. \throw InvalidInput  outside 0 to 1.
-double parse_threshold(const std::string& text);
+//! A share: `0.02` or `4/255`. \throw InvalidInput  outside 0 to 1, named after `option`.
+double parse_share(const std::string& text, const std::string& option);
 
 //! Checks of options, with errors a person can read.
 CLI::Validator above_zero();

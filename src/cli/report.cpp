@@ -14,11 +14,6 @@ namespace puppetwarp::cli {
 
 namespace {
 
-// JSON has no infinity: what has no number is null.
-Json finite(double value) {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 double peak_memory_mb() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
@@ -26,6 +21,10 @@ double peak_memory_mb() {
 }
 
 }  // namespace
+
+Json finite(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
 
 void ReportOptions::add_to(CLI::App& subcommand) {
     subcommand.add_flag("--json", json, "Print a report to standard output as one JSON object");
@@ -63,33 +62,6 @@ Json report_json(const RenderReport& report, bool with_canvas) {
     json["timings_ms"] = Json::object();
     for (const auto& [stage, ms] : report.timings_ms) json["timings_ms"][stage] = std::round(ms * 1000) / 1000;
     json["peak_memory_mb"] = std::round(peak_memory_mb() * 10) / 10;
-    return json;
-}
-
-Json report_json(const Comparison& comparison) {
-    Json json;
-    json["same"] = comparison.same;
-    json["reason"] = comparison.reason;
-    json["width"] = comparison.width;
-    json["height"] = comparison.height;
-    for (const char* key :
-         {"max", "max_at", "mean", "rmse", "psnr", "ssim", "differing_pixels", "differing_percent", "bounding_box"}) {
-        json[key] = nullptr;  // what cannot be told, or was not asked for
-    }
-    if (!comparison.comparable) return json;
-    json["max"] = finite(comparison.max);
-    if (comparison.max_x >= 0) json["max_at"] = {comparison.max_x, comparison.max_y};
-    json["mean"] = finite(comparison.mean);
-    json["rmse"] = finite(comparison.rmse);
-    json["psnr"] = finite(comparison.psnr);
-    json["differing_pixels"] = comparison.differing_pixels;
-    json["differing_percent"] = comparison.differing_percent;
-    if (comparison.box_width > 0) {
-        json["bounding_box"] = {{"x", comparison.box_x},
-                                {"y", comparison.box_y},
-                                {"width", comparison.box_width},
-                                {"height", comparison.box_height}};
-    }
     return json;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <puppetwarp/diff/compare.h>
 #include <puppetwarp/project/pipeline.h>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +12,9 @@
 namespace puppetwarp::cli {
 
 using Json = nlohmann::ordered_json;
+
+//! A number; null for what JSON has no number for: infinity and NaN.
+Json finite(double value);
 
 //! Where a report goes.
 struct ReportOptions {
@@ -38,9 +40,6 @@ struct GateOptions {
 
 //! The report of `warp` and `deform`. What only a picture has (`canvas`, `lost`) appears when there is one.
 Json report_json(const RenderReport& report, bool with_canvas);
-
-//! The report of `diff`.
-Json report_json(const Comparison& comparison);
 
 //! What the report warns of, a line each on standard error.
 void print_warnings(const RenderReport& report);

@@ -1,47 +1,13 @@
-#include <puppetwarp/base/errors.h>
 #include <puppetwarp/diff/row_difference.h>
 
-#include <array>
-#include <cassert>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <sstream>
 
 namespace puppetwarp {
 
 namespace {
-
-std::string channels_phrase(const Image& image) {
-    static constexpr std::array<const char*, 4> kPhrases{"grey", "grey with alpha", "RGB", "RGB with alpha"};
-    const int channels = image.pixels.channels();
-    assert(channels >= 1 && channels <= 4);
-    return kPhrases[static_cast<std::size_t>(channels - 1)];
-}
-
-// Full scale of both depths is 65535 then: 255 * 257.
-const std::uint16_t* in_common_scale(const cv::Mat& pixels, int y, std::vector<std::uint16_t>& buffer) {
-    if (pixels.depth() == CV_16U) return pixels.ptr<std::uint16_t>(y);
-    assert(pixels.depth() == CV_8U);
-    const std::uint8_t* from = pixels.ptr<std::uint8_t>(y);
-    for (std::size_t i = 0; i < buffer.size(); ++i) buffer[i] = static_cast<std::uint16_t>(from[i] * 257);
-    return buffer.data();
-}
-
-// Integers are rounded to float, as a float file would hold them: 51 of 255 equals 0.2f.
-template <class Sample>
-void to_unit_scale(const Sample* from, double full, std::vector<double>& to) {
-    for (std::size_t i = 0; i < to.size(); ++i) to[i] = static_cast<float>(from[i] / full);
-}
-
-const double* in_common_scale(const cv::Mat& pixels, int y, std::vector<double>& buffer) {
-    switch (pixels.depth()) {
-        case CV_8U: to_unit_scale(pixels.ptr<std::uint8_t>(y), 255, buffer); break;
-        case CV_16U: to_unit_scale(pixels.ptr<std::uint16_t>(y), 65535, buffer); break;
-        default: assert(pixels.depth() == CV_32F); to_unit_scale(pixels.ptr<float>(y), 1, buffer);
-    }
-    return buffer.data();
-}
 
 std::uint16_t difference_of(std::uint16_t a, std::uint16_t b) {
     return static_cast<std::uint16_t>(a > b ? a - b : b - a);
@@ -56,28 +22,8 @@ double difference_of(double a, double b) {
 
 }  // namespace
 
-std::string incomparable_reason(const Image& expected, const Image& actual) {
-    std::ostringstream reason;
-    if (expected.pixels.size() != actual.pixels.size()) {
-        reason << "the sizes differ: expected " << expected.width() << " x " << expected.height() << ", actual "
-               << actual.width() << " x " << actual.height();
-    } else if (expected.pixels.channels() != actual.pixels.channels()) {
-        reason << "the channels differ: expected " << channels_phrase(expected) << ", actual "
-               << channels_phrase(actual);
-    }
-    return reason.str();
-}
-
-void require_sound(const CompareOptions& options) {
-    if (!(options.threshold >= 0 && options.threshold <= 1)) {
-        std::ostringstream subject;
-        subject << "threshold " << options.threshold;
-        throw InvalidInput(subject.str(), "not between 0 and 1", "give it as a share of full scale, such as 0.01");
-    }
-}
-
-bool have_integers(const Image& expected, const Image& actual) {
-    return expected.pixels.depth() != CV_32F && actual.pixels.depth() != CV_32F;
+bool have_integers(const cv::Mat& expected, const cv::Mat& actual) {
+    return expected.depth() != CV_32F && actual.depth() != CV_32F;
 }
 
 template <>
@@ -96,24 +42,29 @@ double largest_allowed(double threshold) {
 }
 
 template <class Difference>
-RowDifference<Difference>::RowDifference(const Image& expected, const Image& actual)
-    : expected_(expected.pixels), actual_(actual.pixels) {
-    const auto samples = static_cast<std::size_t>(expected_.cols) * static_cast<std::size_t>(expected_.channels());
-    expected_row_.resize(samples);
-    actual_row_.resize(samples);
-    difference_.resize(samples);
-}
+RowDifference<Difference>::RowDifference(const cv::Mat& expected, const cv::Mat& actual, AlphaRule alpha)
+    : expected_(expected),
+      actual_(actual),
+      expected_reader_(expected, alpha),
+      actual_reader_(actual, alpha),
+      difference_(static_cast<std::size_t>(expected.cols) * static_cast<std::size_t>(expected_reader_.channels())) {}
 
 template <class Difference>
-const Difference* RowDifference<Difference>::row(int y) {
+const Difference* RowDifference<Difference>::row(int y, const std::uint8_t* selected) {
     // Equal bytes are equal values, also of NaN.
     const std::size_t row_bytes = static_cast<std::size_t>(expected_.cols) * expected_.elemSize();
-    if (expected_.depth() == actual_.depth() && std::memcmp(expected_.ptr(y), actual_.ptr(y), row_bytes) == 0) {
+    if (expected_.type() == actual_.type() && std::memcmp(expected_.ptr(y), actual_.ptr(y), row_bytes) == 0) {
         return nullptr;
     }
-    const Difference* a = in_common_scale(expected_, y, expected_row_);
-    const Difference* b = in_common_scale(actual_, y, actual_row_);
+    const Difference* a = expected_reader_.row(y);
+    const Difference* b = actual_reader_.row(y);
     for (std::size_t i = 0; i < difference_.size(); ++i) difference_[i] = difference_of(a[i], b[i]);
+    if (selected) {
+        Difference* pixel = difference_.data();
+        for (int x = 0; x < expected_.cols; ++x, pixel += channels()) {
+            if (!selected[x]) std::fill_n(pixel, channels(), Difference{0});
+        }
+    }
     return difference_.data();
 }
 

@@ -1,22 +1,17 @@
 #pragma once
 
 #include <puppetwarp/base/image.h>
-#include <puppetwarp/diff/compare.h>
+#include <puppetwarp/diff/row_reader.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 namespace puppetwarp {
 
-//! Why two pictures cannot be compared pixel by pixel, for a person; empty when they can.
-std::string incomparable_reason(const Image& expected, const Image& actual);
-
-//! \throw InvalidInput  threshold outside 0-1.
-void require_sound(const CompareOptions& options);
-
 //! Whether both pictures hold integers: then differences are 16-bit integers, exact, else doubles.
-bool have_integers(const Image& expected, const Image& actual);
+bool have_integers(const cv::Mat& expected, const cv::Mat& actual);
 
 //! The unit of the differences: 1 is the value that full scale has in `Difference`.
 template <class Difference>
@@ -37,16 +32,20 @@ double largest_allowed(double threshold);
 template <class Difference>
 class RowDifference {
 public:
-    RowDifference(const Image& expected, const Image& actual);
+    RowDifference(const cv::Mat& expected, const cv::Mat& actual, AlphaRule alpha);
 
+    int channels() const { return expected_reader_.channels(); }
+    //! width x channels
+    std::ptrdiff_t samples() const { return static_cast<std::ptrdiff_t>(difference_.size()); }
+    //! \param selected  of each pixel of the row whether it counts (else its difference is 0), or null: all do.
     //! \return width x channels differences of row y, valid until the next call; null when nothing differs.
-    const Difference* row(int y);
+    const Difference* row(int y, const std::uint8_t* selected);
 
 private:
     const cv::Mat& expected_;
     const cv::Mat& actual_;
-    std::vector<Difference> expected_row_;  // in the common scale, where the picture's own is another one
-    std::vector<Difference> actual_row_;
+    RowReader<Difference> expected_reader_;
+    RowReader<Difference> actual_reader_;
     std::vector<Difference> difference_;
 };
 

@@ -63,7 +63,7 @@ struct Band {
 
 class PngStream {
 public:
-    explicit PngStream(OutputFile& file) : file_(file) { file_.write("\x89PNG\r\n\x1a\n"sv); }
+    explicit PngStream(const ByteSink& sink) : sink_(sink) { sink_("\x89PNG\r\n\x1a\n"sv); }
 
     void chunk(std::string_view name, std::string_view body) {
         if (body.size() > std::numeric_limits<std::int32_t>::max()) return;  // more than a chunk can say
@@ -74,13 +74,13 @@ public:
         if (!body.empty()) crc = crc32_z(crc, reinterpret_cast<const Bytef*>(body.data()), body.size());
         std::string tail;
         append_be32(tail, static_cast<std::uint32_t>(crc));
-        file_.write(head);
-        file_.write(body);
-        file_.write(tail);
+        sink_(head);
+        sink_(body);
+        sink_(tail);
     }
 
 private:
-    OutputFile& file_;
+    const ByteSink& sink_;
 };
 
 std::string header_body(const cv::Mat& pixels) {
@@ -163,12 +163,19 @@ void write_pixels(PngStream& png, const cv::Mat& pixels, int level) {
 
 }  // namespace
 
-void write_png(const cv::Mat& pixels, const ImageMetadata& metadata, const WriteOptions& options, OutputFile& file) {
-    PngStream png(file);
+void write_png(const cv::Mat& pixels, const ImageMetadata& metadata, const WriteOptions& options,
+               const ByteSink& sink) {
+    PngStream png(sink);
     png.chunk("IHDR", header_body(pixels));
     write_metadata(png, metadata, pixels.channels());
     write_pixels(png, pixels, options.compression);
     png.chunk("IEND", "");
+}
+
+std::string png_bytes(const cv::Mat& pixels, const WriteOptions& options) {
+    std::string bytes;
+    write_png(pixels, {}, options, [&](std::string_view more) { bytes += more; });
+    return bytes;
 }
 
 }  // namespace puppetwarp

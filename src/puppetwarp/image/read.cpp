@@ -8,7 +8,7 @@ namespace puppetwarp {
 
 Image read_image(const std::filesystem::path& path, const ReadOptions& options) {
     const PictureFile file(path);
-    return is_exr(file) ? read_exr(file, options) : VipsPicture(file, options).decode();
+    return is_exr(file) ? read_exr(file, options) : VipsPicture(file, options).decode(file);
 }
 
 ImageInfo read_image_info(const std::filesystem::path& path, const ReadOptions& options) {

@@ -5,6 +5,7 @@
 #include <puppetwarp/image/exif.h>
 #include <puppetwarp/image/orientation.h>
 #include <puppetwarp/image/png_check.h>
+#include <puppetwarp/image/png_pixels.h>
 
 #include <opencv2/core.hpp>
 
@@ -183,13 +184,24 @@ ImageInfo VipsPicture::info() const {
     return info;
 }
 
-Image VipsPicture::decode() const {
+// Of PNG files as most are, libvips reads no more than the header.
+cv::Mat VipsPicture::pixels(const PictureFile& file) const {
     VipsImage* source = picture_.image.get();
-    Image image;
-    image.pixels = allocate(name_, source->Xsize, source->Ysize, CV_MAKETYPE(cv_depth(source->BandFmt), source->Bands));
-    if (vips_sink_disc(source, copy_strip, &image.pixels) != 0) throw_damaged(name_, take_vips_error());
+    const int type = CV_MAKETYPE(cv_depth(source->BandFmt), source->Bands);
+    if (format_ == "png" && source == stored_.get() && CV_MAT_DEPTH(type) != CV_32F) {
+        cv::Mat plain = plain_png_pixels(file, source->Xsize, source->Ysize, type);
+        if (!plain.empty()) return plain;
+    }
+    cv::Mat pixels = allocate(name_, source->Xsize, source->Ysize, type);
+    if (vips_sink_disc(source, copy_strip, &pixels) != 0) throw_damaged(name_, take_vips_error());
     // PFM stores its rows from the bottom up, which libvips leaves to its caller.
-    if (format_ == "pfm") cv::flip(image.pixels, image.pixels, 0);
+    if (format_ == "pfm") cv::flip(pixels, pixels, 0);
+    return pixels;
+}
+
+Image VipsPicture::decode(const PictureFile& file) const {
+    Image image;
+    image.pixels = pixels(file);
     image.pixels = upright(std::move(image.pixels), orientation_);
     image.metadata = metadata_;
     reset_exif_orientation(image.metadata.exif);

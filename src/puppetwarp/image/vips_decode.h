@@ -17,9 +17,12 @@ public:
     VipsPicture(const PictureFile& file, const ReadOptions& options);
 
     ImageInfo info() const;
-    Image decode() const;
+    //! \param file  the one that this was made from.
+    Image decode(const PictureFile& file) const;
 
 private:
+    cv::Mat pixels(const PictureFile& file) const;
+
     std::string name_;
     VipsImagePtr stored_;  // as in the file
     NormalisedPicture picture_;

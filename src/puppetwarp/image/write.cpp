@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 
 namespace puppetwarp {
 
@@ -51,7 +52,7 @@ void write_image(const Image& image, const std::filesystem::path& path, const Wr
     OutputFile file(path);
     const cv::Mat pixels = fit_to_format(image.pixels, format);
     if (format.name == "png") {
-        write_png(pixels, image.metadata, options, file);
+        write_png(pixels, image.metadata, options, [&](std::string_view bytes) { file.write(bytes); });
     } else if (format.name == "jpeg") {
         write_jpeg(pixels, image.metadata, options, file);
     } else if (format.name == "tiff") {

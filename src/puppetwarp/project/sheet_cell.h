@@ -1,8 +1,8 @@
 #pragma once
 // Private header: what stands in one cell of a sheet.
 
+#include <puppetwarp/base/picture_text.h>
 #include <puppetwarp/project/method_sheet.h>
-#include <puppetwarp/project/sheet_text.h>
 
 #include <opencv2/core/mat.hpp>
 

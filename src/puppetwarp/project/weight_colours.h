@@ -1,8 +1,8 @@
 #pragma once
 // Private header.
 
+#include <puppetwarp/base/picture_text.h>
 #include <puppetwarp/mesh/triangle_mesh.h>
-#include <puppetwarp/project/sheet_text.h>
 #include <puppetwarp/warp/warp.h>
 
 namespace puppetwarp {

@@ -1,5 +1,5 @@
+#include <puppetwarp/base/picture_text.h>
 #include <puppetwarp/project/sheet_layout.h>
-#include <puppetwarp/project/sheet_text.h>
 
 #include <opencv2/core.hpp>
 

@@ -1,4 +1,4 @@
-#include <puppetwarp/project/sheet_text.h>
+#include <puppetwarp/base/picture_text.h>
 
 #include <opencv2/imgproc.hpp>
 

@@ -44,14 +44,27 @@ SparseMatrix laplacian_energy(const WeightProblem& problem) {
     return Q;
 }
 
+namespace {
+
+// \param entries  of the lower triangle of a positive definite matrix.
+void solve_in_place(const std::vector<Eigen::Triplet<double>>& entries, Eigen::MatrixXd& X) {
+    if (X.rows() == 0) return;
+    SparseMatrix lower(X.rows(), X.rows());
+    lower.setFromTriplets(entries.begin(), entries.end());
+    const std::optional<CholeskyFactor> factor = CholeskyPattern(lower).factorise(lower);
+    if (!factor) {
+        throw InvalidInput("mesh", "its triangles are too thin or too different in size to compute weights with",
+                           "use a mesh with better triangles");
+    }
+    factor->solve_in_place(X);
+}
+
+}  // namespace
+
 Eigen::MatrixXd unbounded_weights(const SparseMatrix& Q, const WeightConditions& conditions) {
     const Eigen::Index n = Q.rows();
-    Eigen::MatrixXd W = Eigen::MatrixXd::Zero(n, conditions.values.cols());
     std::vector<int> unknown(static_cast<std::size_t>(n), 0);
-    for (std::size_t i = 0; i < conditions.vertices.size(); ++i) {
-        W.row(conditions.vertices[i]) = conditions.values.row(static_cast<Eigen::Index>(i));
-        unknown[static_cast<std::size_t>(conditions.vertices[i])] = -1;
-    }
+    for (const int v : conditions.vertices) unknown[static_cast<std::size_t>(v)] = -1;
     std::vector<int> free;
     for (int v = 0; v < n; ++v) {
         int& index = unknown[static_cast<std::size_t>(v)];
@@ -59,8 +72,6 @@ Eigen::MatrixXd unbounded_weights(const SparseMatrix& Q, const WeightConditions&
         index = static_cast<int>(free.size());
         free.push_back(v);
     }
-    if (free.empty()) return W;
-
     std::vector<Eigen::Triplet<double>> entries;
     for (const int v : free) {
         const int column = unknown[static_cast<std::size_t>(v)];
@@ -70,18 +81,25 @@ Eigen::MatrixXd unbounded_weights(const SparseMatrix& Q, const WeightConditions&
         }
     }
     const auto size = static_cast<Eigen::Index>(free.size());
-    SparseMatrix lower(size, size);
-    lower.setFromTriplets(entries.begin(), entries.end());
-    const std::optional<CholeskyFactor> factor = CholeskyPattern(lower).factorise(lower);
-    if (!factor) {
-        throw InvalidInput("mesh", "its triangles are too thin or too different in size to compute weights with",
-                           "use a mesh with better triangles");
+    Eigen::MatrixXd X = Eigen::MatrixXd::Zero(size, conditions.values.cols());
+    for (std::size_t i = 0; i < conditions.vertices.size(); ++i) {
+        const auto given = conditions.values.row(static_cast<Eigen::Index>(i));
+        for (Eigen::Index c = 0; c < given.size(); ++c) {
+            if (given(c) == 0) continue;
+            for (SparseMatrix::InnerIterator it(Q, conditions.vertices[i]); it; ++it) {
+                const int row = unknown[static_cast<std::size_t>(it.row())];
+                if (row >= 0) X(row, c) -= it.value() * given(c);
+            }
+        }
     }
-    const Eigen::MatrixXd load = Q * W;
-    Eigen::MatrixXd X(size, W.cols());
-    for (Eigen::Index i = 0; i < size; ++i) X.row(i) = -load.row(free[static_cast<std::size_t>(i)]);
-    factor->solve_in_place(X);
-    for (Eigen::Index i = 0; i < size; ++i) W.row(free[static_cast<std::size_t>(i)]) = X.row(i);
+    solve_in_place(entries, X);
+    Eigen::MatrixXd W(n, X.cols());
+    for (std::size_t i = 0; i < conditions.vertices.size(); ++i) {
+        W.row(conditions.vertices[i]) = conditions.values.row(static_cast<Eigen::Index>(i));
+    }
+    for (Eigen::Index c = 0; c < X.cols(); ++c) {
+        for (Eigen::Index i = 0; i < size; ++i) W(free[static_cast<std::size_t>(i)], c) = X(i, c);
+    }
     return W;
 }
 

@@ -28,7 +28,7 @@ namespace {
 constexpr double crowding = 0.25;
 constexpr double min_angle_deg = 20;
 // What is made anew reaches so many triangles into the mesh from its boundary and from the rings.
-constexpr int loose_layers = 2;
+constexpr int loose_layers = 1;
 // Longest edge of what the rings add, in mean edges of the mesh; and where rings are far larger, by their size.
 constexpr double longest_edge = 4;
 constexpr double longest_edge_share = 1.0 / 60;

@@ -80,22 +80,30 @@ private:
 }  // namespace
 
 std::vector<int> opposite_sides(const Eigen::MatrixX3i& F, Eigen::Index vertices) {
-    const auto sides = static_cast<int>(3 * F.rows());
+    std::vector<int> start(static_cast<std::size_t>(F.size()));  // of each side
+    for (Eigen::Index t = 0; t < F.rows(); ++t) {
+        for (int k = 0; k < 3; ++k) start[static_cast<std::size_t>(3 * t + k)] = F(t, k);
+    }
     // Sides sorted by where they start, through counting.
     std::vector<int> first(static_cast<std::size_t>(vertices) + 1);
-    for (const int v : F.reshaped()) ++first[static_cast<std::size_t>(v) + 1];
+    for (const int v : start) ++first[static_cast<std::size_t>(v) + 1];
     for (std::size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
-    std::vector<int> leaving(static_cast<std::size_t>(sides)), filled(first.begin(), first.end() - 1);
-    for (int side = 0; side < sides; ++side) {
-        leaving[static_cast<std::size_t>(filled[static_cast<std::size_t>(corner(F, side))]++)] = side;
+    struct Leaving {
+        int side, to;
+    };
+    std::vector<Leaving> leaving(start.size());
+    std::vector<int> filled(first.begin(), first.end() - 1);
+    const auto end = [&](std::size_t side) { return start[side % 3 == 2 ? side - 2 : side + 1]; };
+    for (std::size_t side = 0; side < start.size(); ++side) {
+        const auto at = static_cast<std::size_t>(filled[static_cast<std::size_t>(start[side])]++);
+        leaving[at] = {static_cast<int>(side), end(side)};
     }
-    std::vector<int> opposite(static_cast<std::size_t>(sides), -1);
-    for (int side = 0; side < sides; ++side) {
-        const int from = corner(F, side);
-        const auto to = static_cast<std::size_t>(corner(F, next(side)));
+    std::vector<int> opposite(start.size(), -1);
+    for (std::size_t side = 0; side < start.size(); ++side) {
+        const auto to = static_cast<std::size_t>(end(side));
         for (int k = first[to]; k < first[to + 1]; ++k) {
-            const int other = leaving[static_cast<std::size_t>(k)];
-            if (corner(F, next(other)) == from) opposite[static_cast<std::size_t>(side)] = other;
+            const Leaving& other = leaving[static_cast<std::size_t>(k)];
+            if (other.to == start[side]) opposite[side] = other.side;
         }
     }
     return opposite;

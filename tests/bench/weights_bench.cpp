@@ -1,7 +1,9 @@
-// Weights of ten handles, seven points and three bones, on a figure; and the factor of its Laplacian beside them.
+// Weights of ten handles, seven points and three bones, on a figure, and of a cage of twenty corners around it; and the
+// factor of its Laplacian beside them.
 
 #include "reference/test_meshes.h"
 
+#include <puppetwarp/rig/add_cage.h>
 #include <puppetwarp/solve/cholesky.h>
 #include <puppetwarp/weights/weight_problem.h>
 
@@ -44,8 +46,24 @@ void factor(benchmark::State& state) {
     state.counters["vertices"] = static_cast<double>(mesh.V.rows());
 }
 
-void weights(benchmark::State& state, WeightKind kind, Partition partition) {
+constexpr int cage_corners = 20;
+
+Rig one_cage(const TriangleMesh& mesh) {
+    Rig rig;
+    add_automatic_cage(rig, mesh, cage_corners);
+    return rig;
+}
+
+void automatic_cage(benchmark::State& state) {
     const TriangleMesh& mesh = figure_of(static_cast<int>(state.range(0)));
+    for (auto unused : state) {
+        (void)unused;
+        benchmark::DoNotOptimize(one_cage(mesh));
+    }
+    state.counters["vertices"] = static_cast<double>(mesh.V.rows());
+}
+
+void weigh(benchmark::State& state, const TriangleMesh& mesh, const Rig& rig, WeightKind kind, Partition partition) {
     WeightOptions options;
     options.kind = kind;
     options.partition = partition;
@@ -53,13 +71,22 @@ void weights(benchmark::State& state, WeightKind kind, Partition partition) {
     Weights found;
     for (auto unused : state) {
         (void)unused;
-        found = compute_weights(mesh, ten_handles(), options, progress);
+        found = compute_weights(mesh, rig, options, progress);
     }
     state.counters["vertices"] = static_cast<double>(mesh.V.rows());
     state.counters["iterations"] = found.iterations;
     state.counters["kkt"] = found.kkt_residual;
     state.counters["sum"] = found.partition_error;
     state.SetLabel(found.converged ? found.fallback : "not converged");
+}
+
+void weights(benchmark::State& state, WeightKind kind, Partition partition) {
+    weigh(state, figure_of(static_cast<int>(state.range(0))), ten_handles(), kind, partition);
+}
+
+void cage(benchmark::State& state, WeightKind kind, Partition partition) {
+    const TriangleMesh& mesh = figure_of(static_cast<int>(state.range(0)));
+    weigh(state, mesh, one_cage(mesh), kind, partition);
 }
 
 void sizes(benchmark::internal::Benchmark* bench) {
@@ -74,6 +101,12 @@ BENCHMARK_CAPTURE(weights, biharmonic, WeightKind::biharmonic, Partition::couple
 BENCHMARK_CAPTURE(weights, monotonic, WeightKind::monotonic, Partition::coupled)->Apply(sizes);
 BENCHMARK_CAPTURE(weights, l1, WeightKind::l1, Partition::coupled)->Apply(sizes);
 BENCHMARK_CAPTURE(weights, shepard, WeightKind::shepard, Partition::coupled)->Apply(sizes);
+BENCHMARK(automatic_cage)->Apply(sizes);
+BENCHMARK_CAPTURE(cage, mean_value, WeightKind::mean_value, Partition::coupled)->Apply(sizes);
+BENCHMARK_CAPTURE(cage, cauchy, WeightKind::cauchy, Partition::coupled)->Apply(sizes);
+BENCHMARK_CAPTURE(cage, harmonic_cage, WeightKind::harmonic_cage, Partition::coupled)->Apply(sizes);
+BENCHMARK_CAPTURE(cage, bbw_normalised, WeightKind::bbw, Partition::normalised)->Apply(sizes);
+BENCHMARK_CAPTURE(cage, bbw_coupled, WeightKind::bbw, Partition::coupled)->Apply(sizes);
 
 }  // namespace
 }  // namespace puppetwarp

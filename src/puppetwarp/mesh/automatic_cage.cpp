@@ -1,7 +1,7 @@
 #include <puppetwarp/mesh/automatic_cage.h>
 
 #include <puppetwarp/base/errors.h>
-#include <puppetwarp/mesh/boundary_edges.h>
+#include <puppetwarp/mesh/triangle_sides.h>
 #include <puppetwarp/mesh/bridges.h>
 #include <puppetwarp/mesh/cage_shaper.h>
 #include <puppetwarp/mesh/contour_field.h>

@@ -31,18 +31,24 @@ Corner corner_of(const TriangleMesh& mesh, Eigen::Index t, int k) {
 SparseMatrix cotangent_stiffness(const TriangleMesh& mesh, const Eigen::VectorXd& stiffness) {
     assert(stiffness.size() == 0 || stiffness.size() == mesh.F.rows());
     std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(static_cast<std::size_t>(mesh.F.rows()) * 12);
+    entries.reserve(static_cast<std::size_t>(mesh.F.rows() * 6 + mesh.V.rows()));
+    Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(mesh.V.rows());
+    std::vector<bool> used(static_cast<std::size_t>(mesh.V.rows()));
     for (Eigen::Index t = 0; t < mesh.F.rows(); ++t) {
         const double factor = stiffness.size() == 0 ? 1.0 : stiffness(t);
         for (int k = 0; k < 3; ++k) {
             const int i = mesh.F(t, (k + 1) % 3);
             const int j = mesh.F(t, (k + 2) % 3);
             const double w = factor * corner_of(mesh, t, k).cotangent() / 2;
-            entries.emplace_back(i, i, w);
-            entries.emplace_back(j, j, w);
+            diagonal(i) += w;
+            diagonal(j) += w;
+            used[static_cast<std::size_t>(i)] = true;
             entries.emplace_back(i, j, -w);
             entries.emplace_back(j, i, -w);
         }
+    }
+    for (int v = 0; v < mesh.V.rows(); ++v) {
+        if (used[static_cast<std::size_t>(v)]) entries.emplace_back(v, v, diagonal(v));
     }
     SparseMatrix L(mesh.V.rows(), mesh.V.rows());
     L.setFromTriplets(entries.begin(), entries.end());

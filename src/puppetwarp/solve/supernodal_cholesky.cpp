@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -231,6 +232,97 @@ void SupernodalCholesky::solve_in_place(Eigen::VectorXd& b) const {
         L.block(s).topRows(width).transpose().triangularView<Eigen::Upper>().solveInPlace(own);
     }
     for (Eigen::Index k = 0; k < x.size(); ++k) b(L.order[static_cast<std::size_t>(k)]) = x(k);
+}
+
+namespace {
+
+// What several right-hand sides have in one row. More of them would leave the first-level caches to each other.
+constexpr int together = 10;
+using Together = Eigen::Array<double, together, 1>;
+
+// One supernode at work on them.
+struct Step {
+    ConstBlock L;
+    const int* rows;  // of those below its own
+    Together* own;
+    Together* all;
+
+    int width() const { return static_cast<int>(L.cols()); }
+    int below() const { return static_cast<int>(L.rows() - L.cols()); }
+
+    bool is_zero() const {
+        return std::all_of(own, own + width(), [](const Together& x) { return (x == 0).all(); });
+    }
+
+    void forward() const {
+        for (int c = 0; c < width(); ++c) {
+            own[c] /= L(c, c);
+            for (int r = c + 1; r < width(); ++r) own[r] -= L(r, c) * own[c];
+        }
+        int c = 0;
+        for (; c + 4 <= width(); c += 4) take<4>(c);
+        for (; c < width(); ++c) take<1>(c);
+    }
+
+    void backward() const {
+        int c = 0;
+        for (; c + 2 <= width(); c += 2) give<2>(c);
+        if (c < width()) give<1>(c);
+        for (c = width(); c-- > 0;) {
+            for (int r = c + 1; r < width(); ++r) own[c] -= L(r, c) * own[r];
+            own[c] /= L(c, c);
+        }
+    }
+
+private:
+    // What `count` columns from c on take from the rows below.
+    template <int count>
+    void take(int c) const {
+        const double* l = L.col(c).data() + width();
+        for (int i = 0; i < below(); ++i) {
+            Together sum = l[i] * own[c];
+            for (int k = 1; k < count; ++k) sum += l[k * L.rows() + i] * own[c + k];
+            all[rows[i]] -= sum;
+        }
+    }
+
+    // What the rows below give to these columns.
+    template <int count>
+    void give(int c) const {
+        const double* l = L.col(c).data() + width();
+        std::array<Together, count> sums;
+        sums.fill(Together::Zero());
+        for (int i = 0; i < below(); ++i) {
+            const Together& x = all[rows[i]];
+            for (std::size_t k = 0; k < count; ++k) sums[k] += l[static_cast<Eigen::Index>(k) * L.rows() + i] * x;
+        }
+        for (std::size_t k = 0; k < count; ++k) own[c + static_cast<int>(k)] -= sums[k];
+    }
+};
+
+}  // namespace
+
+void SupernodalCholesky::solve_in_place(RowMatrix& B) const {
+    const Factor& L = *factor_;
+    std::vector<Together> x(static_cast<std::size_t>(B.rows()));
+    const auto step = [&](std::size_t s) {
+        return Step{L.block(s), L.rows.data() + L.first_row[s] + L.width(s), x.data() + L.first[s], x.data()};
+    };
+    for (Eigen::Index first = 0; first < B.cols(); first += together) {
+        const Eigen::Index count = std::min<Eigen::Index>(together, B.cols() - first);
+        for (std::size_t k = 0; k < x.size(); ++k) {
+            x[k].setZero();
+            for (Eigen::Index c = 0; c < count; ++c) x[k](c) = B(L.order[k], first + c);
+        }
+        // Sparse right-hand sides reach few supernodes.
+        for (std::size_t s = 0; s < L.count(); ++s) {
+            if (!step(s).is_zero()) step(s).forward();
+        }
+        for (std::size_t s = L.count(); s-- > 0;) step(s).backward();
+        for (std::size_t k = 0; k < x.size(); ++k) {
+            for (Eigen::Index c = 0; c < count; ++c) B(L.order[k], first + c) = x[k](c);
+        }
+    }
 }
 
 }  // namespace puppetwarp

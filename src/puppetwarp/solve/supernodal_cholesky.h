@@ -9,6 +9,9 @@
 
 namespace puppetwarp {
 
+//! Numbers of one row lie together.
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 //! P A P^T = L L^T of a sparse symmetric positive definite A by supernodes: columns of L with the same rows form dense
 //! blocks, several times as fast as CholeskyFactor where L has much fill (Ng & Peyton 1993; Chen, Davis, Hager &
 //! Rajamanickam 2008). The order (approximate minimum degree) and the supernodes are CHOLMOD's, the numbers are worked
@@ -26,6 +29,8 @@ public:
 
     //! Replaces b by A^-1 b.
     void solve_in_place(Eigen::VectorXd& b) const;
+    //! The same for several right-hand sides, one a column, ten of them in one pass; quicker where they are sparse.
+    void solve_in_place(RowMatrix& B) const;
 
 private:
     struct Factor;

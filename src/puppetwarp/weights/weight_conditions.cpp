@@ -110,7 +110,6 @@ public:
         : mesh_(mesh),
           rig_(rig),
           size_(bounding_diagonal(mesh.V)),
-          locator_(mesh),
           claims_(static_cast<std::size_t>(mesh.V.rows())) {
         found_.columns = weight_columns(rig);
     }
@@ -132,8 +131,12 @@ private:
     Point position(int vertex) const { return mesh_.V.row(vertex).transpose(); }
     const std::string& id() const { return rig_.handles[handle_].id; }
 
+    const MeshLocator& locator() const {
+        if (!locator_) locator_.emplace(mesh_);
+        return *locator_;
+    }
     MeshLocation located(const Point& at) const {
-        const MeshLocation place = locator_.locate(at);
+        const MeshLocation place = locator().locate(at);
         if (place.distance_px > on_border * size_) throw_outside(id(), place.distance_px);
         return place;
     }
@@ -178,7 +181,7 @@ private:
     const TriangleMesh& mesh_;
     const Rig& rig_;
     double size_;
-    MeshLocator locator_;
+    mutable std::optional<MeshLocator> locator_;  // cages need none
     const Joints* joints_ = nullptr;
     std::size_t handle_ = 0;  // that takes hold now
     std::vector<std::optional<Claim>> claims_;
@@ -204,7 +207,7 @@ void Conditions::hold(const BoneHandle& bone) {
     bool holds = false;
     for (double walked = 0;;) {
         const Point at = walked < length ? Point(bone.from + along * (walked / length)) : bone.to;
-        const MeshLocation place = locator_.locate(at);
+        const MeshLocation place = locator().locate(at);
         if (place.distance_px <= on_border * size_) {
             const int vertex = nearest_corner(place);
             const double reach = std::min(walked, length - walked);
@@ -227,9 +230,13 @@ void Conditions::hold(const CageHandle& cage) {
     const std::size_t corners = cage.points.size();
     for (std::size_t k = 0; k < corners; ++k) {
         const Point &a = cage.points[k], &b = cage.points[(k + 1) % corners];
+        const double near = on_cage_edge * size_;
+        const Point low = a.cwiseMin(b).array() - near, high = a.cwiseMax(b).array() + near;
         for (int v = 0; v < mesh_.V.rows(); ++v) {
-            const SegmentFoot foot = segment_foot(a, b, position(v));
-            if (foot.distance <= on_cage_edge * size_) claim(v, static_cast<int>(k), foot.along);
+            const Point p = position(v);
+            if ((p.array() < low.array()).any() || (p.array() > high.array()).any()) continue;
+            const SegmentFoot foot = segment_foot(a, b, p);
+            if (foot.distance <= near) claim(v, static_cast<int>(k), foot.along);
         }
     }
 }

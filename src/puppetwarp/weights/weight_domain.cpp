@@ -118,8 +118,9 @@ WeightDomain weight_domain(const TriangleMesh& mesh, const Rig& rig) {
     });
     if (fits) return {mesh, rig, std::nullopt};
 
-    const ExtendedMesh extended = extended_mesh(mesh, cages, named_vertices(mesh, rig));
-    WeightDomain domain{extended.mesh, rig, carry_back(mesh, extended)};
+    ExtendedMesh extended = extended_mesh(mesh, cages, named_vertices(mesh, rig));
+    SparseMatrix carry = carry_back(mesh, extended);
+    WeightDomain domain{std::move(extended.mesh), rig, std::move(carry)};
     for (Handle& handle : domain.rig.handles) {
         auto* vertex = std::get_if<VertexHandle>(&handle.shape);
         if (vertex == nullptr) continue;

@@ -2,7 +2,7 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/rig/binding.h>
-#include <puppetwarp/solve/cholesky.h>
+#include <puppetwarp/solve/supernodal_cholesky.h>
 #include <puppetwarp/weights/weight_conditions.h>
 
 #include <optional>
@@ -46,42 +46,40 @@ SparseMatrix laplacian_energy(const WeightProblem& problem) {
 
 Eigen::MatrixXd unbounded_weights(const SparseMatrix& Q, const WeightConditions& conditions) {
     const Eigen::Index n = Q.rows();
-    Eigen::MatrixXd W = Eigen::MatrixXd::Zero(n, conditions.values.cols());
-    std::vector<int> unknown(static_cast<std::size_t>(n), 0);
-    for (std::size_t i = 0; i < conditions.vertices.size(); ++i) {
-        W.row(conditions.vertices[i]) = conditions.values.row(static_cast<Eigen::Index>(i));
-        unknown[static_cast<std::size_t>(conditions.vertices[i])] = -1;
-    }
-    std::vector<int> free;
-    for (int v = 0; v < n; ++v) {
-        int& index = unknown[static_cast<std::size_t>(v)];
-        if (index < 0) continue;
-        index = static_cast<int>(free.size());
-        free.push_back(v);
-    }
-    if (free.empty()) return W;
+    std::vector<bool> given(static_cast<std::size_t>(n));
+    for (const int v : conditions.vertices) given[static_cast<std::size_t>(v)] = true;
+    const auto is_given = [&](Eigen::Index v) { return given[static_cast<std::size_t>(v)]; };
 
-    std::vector<Eigen::Triplet<double>> entries;
-    for (const int v : free) {
-        const int column = unknown[static_cast<std::size_t>(v)];
-        for (SparseMatrix::InnerIterator it(Q, v); it; ++it) {
-            const int row = unknown[static_cast<std::size_t>(it.row())];
-            if (row >= column) entries.emplace_back(row, column, it.value());
+    // What is given are equations of one unknown each, and goes into the others' right-hand sides.
+    SparseMatrix lower(n, n);
+    lower.reserve((Q.nonZeros() + n) / 2);
+    for (int column = 0; column < n; ++column) {
+        lower.startVec(column);
+        if (is_given(column)) lower.insertBack(column, column) = 1;
+        for (SparseMatrix::InnerIterator it(Q, column); it; ++it) {
+            if (it.row() < column || is_given(column) || is_given(it.row())) continue;
+            lower.insertBack(it.row(), column) = it.value();
         }
     }
-    const auto size = static_cast<Eigen::Index>(free.size());
-    SparseMatrix lower(size, size);
-    lower.setFromTriplets(entries.begin(), entries.end());
-    const std::optional<CholeskyFactor> factor = CholeskyPattern(lower).factorise(lower);
+    lower.finalize();
+    RowMatrix W = RowMatrix::Zero(n, conditions.values.cols());
+    for (std::size_t i = 0; i < conditions.vertices.size(); ++i) {
+        const int v = conditions.vertices[i];
+        for (Eigen::Index c = 0; c < W.cols(); ++c) {
+            const double value = conditions.values(static_cast<Eigen::Index>(i), c);
+            if (value == 0) continue;
+            W(v, c) = value;
+            for (SparseMatrix::InnerIterator it(Q, v); it; ++it) {
+                if (!is_given(it.row())) W(it.row(), c) -= it.value() * value;
+            }
+        }
+    }
+    const std::optional<SupernodalCholesky> factor = SupernodalCholesky::factorise(lower);
     if (!factor) {
         throw InvalidInput("mesh", "its triangles are too thin or too different in size to compute weights with",
                            "use a mesh with better triangles");
     }
-    const Eigen::MatrixXd load = Q * W;
-    Eigen::MatrixXd X(size, W.cols());
-    for (Eigen::Index i = 0; i < size; ++i) X.row(i) = -load.row(free[static_cast<std::size_t>(i)]);
-    factor->solve_in_place(X);
-    for (Eigen::Index i = 0; i < size; ++i) W.row(free[static_cast<std::size_t>(i)]) = X.row(i);
+    factor->solve_in_place(W);
     return W;
 }
 

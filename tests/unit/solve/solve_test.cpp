@@ -71,6 +71,21 @@ TEST(SupernodalCholesky, SolvesWhatADenseSolverSolves) {
     expect_solved(Q);
 }
 
+TEST(SupernodalCholesky, SolvesSeveralRightHandSidesAtOnce) {
+    for (const int columns : {1, 9, 10, 11, 23}) {
+        const SparseMatrix A = random_symmetric(150, 4, 30);
+        const auto factor = SupernodalCholesky::factorise(A.triangularView<Eigen::Lower>());
+        ASSERT_TRUE(factor.has_value());
+        RowMatrix B = RowMatrix::Zero(150, columns);
+        for (int c = 0; c < columns; ++c) B((37 * c + 5) % 150, c) = 1 + c;  // sparse
+        B.col(columns / 2).setLinSpaced(-1, 1);                              // and not
+        RowMatrix X = B;
+        factor->solve_in_place(X);
+        const Eigen::MatrixXd expected = Eigen::MatrixXd(A).llt().solve(Eigen::MatrixXd(B));
+        EXPECT_LT((X - expected).norm(), 1e-12 * expected.norm()) << columns;
+    }
+}
+
 TEST(SupernodalCholesky, RefusesIndefiniteMatrices) {
     EXPECT_FALSE(SupernodalCholesky::factorise(random_symmetric(60, 3, 0.1).triangularView<Eigen::Lower>()));
 }

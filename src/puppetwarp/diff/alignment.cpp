@@ -86,7 +86,11 @@ cv::Rect overlap(const cv::Size& size, const Shift& shift) {
 
 Shift best_shift(const cv::Mat& expected, const cv::Mat& actual, const cv::Mat& selected, AlphaRule alpha,
                  int reach_px) {
-    const auto mean = have_integers(expected, actual) ? mean_difference<std::uint16_t> : mean_difference<double>;
+    const auto mean = [&](const Overlay& overlay, double give_up_over) {
+        return with_difference_of(expected, actual, alpha, [&](auto zero) {
+            return mean_difference<decltype(zero)>(overlay, alpha, give_up_over);
+        });
+    };
     const double enough = Overlay(expected, actual, selected, {}).pixels() / 2;
     Shift best;
     double least = std::numeric_limits<double>::infinity();
@@ -94,7 +98,7 @@ Shift best_shift(const cv::Mat& expected, const cv::Mat& actual, const cv::Mat& 
          shifts_within(std::min(reach_px, expected.cols / 2), std::min(reach_px, expected.rows / 2))) {
         const Overlay overlay(expected, actual, selected, shift);
         if (overlay.pixels() < enough) continue;
-        const double difference = mean(overlay, alpha, least);
+        const double difference = mean(overlay, least);
         if (difference >= least) continue;
         least = difference;
         best = shift;

@@ -30,7 +30,7 @@ FolderOutputs::FolderOutputs(Folders folders, bool page) : folders_(std::move(fo
 void FolderOutputs::see(std::size_t pair, const std::string& path, const ComparedFiles& files) {
     if (files.comparison.same) return;
     write_pictures(path, files);
-    if (!page_ || kept_bytes_ >= HtmlReport::room_bytes) return;
+    if (!page_ || kept_bytes_ >= HtmlReport::usual_room_bytes) return;
     HtmlReport::Pictures pictures = HtmlReport::pictures_of(files);
     const std::lock_guard lock(mutex_);
     unsettled_[pair] = std::move(pictures);
@@ -47,7 +47,7 @@ void FolderOutputs::write_pictures(const std::string& path, const ComparedFiles&
 
 void FolderOutputs::settle(std::size_t /*first*/, std::size_t /*last*/) {
     for (auto& [pair, pictures] : unsettled_) {
-        if (kept_bytes_ >= HtmlReport::room_bytes) break;
+        if (kept_bytes_ >= HtmlReport::usual_room_bytes) break;
         kept_bytes_ += pictures.bytes();
         kept_[pair] = std::move(pictures);
     }

@@ -139,8 +139,10 @@ Image heat_map_of(const Image& expected, const Examination& examination) {
 
     cv::Mat part = map(examination.part);
     const std::uint8_t shown = examination.shown_marks;
-    const auto draw = have_integers(pair.expected, pair.actual) ? draw_heat<std::uint16_t> : draw_heat<double>;
-    parallel_for(0, part.rows, kBandRows, [&](int first, int last) { draw(examination, shown, first, last, part); });
+    with_difference_of(pair.expected, pair.actual, pair.alpha, [&](auto zero) {
+        parallel_for(0, part.rows, kBandRows,
+                     [&](int first, int last) { draw_heat<decltype(zero)>(examination, shown, first, last, part); });
+    });
     cv::Mat differing = cv::Mat::zeros(map.size(), CV_8U), coloured = differing.clone();
     differing(examination.part).setTo(255, (examination.marks & shown) != 0);
     coloured(examination.part).setTo(255, (examination.marks & (shown | kAntialiased)) != 0);

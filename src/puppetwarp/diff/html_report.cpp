@@ -79,12 +79,13 @@ HtmlReport::Pictures HtmlReport::pictures_of(const ComparedFiles& files) {
     return pictures;
 }
 
-HtmlReport::HtmlReport(const std::filesystem::path& expected, const std::filesystem::path& actual)
-    : expected_(expected.string()), actual_(actual.string()) {}
+HtmlReport::HtmlReport(const std::filesystem::path& expected, const std::filesystem::path& actual,
+                       std::size_t room_bytes)
+    : expected_(expected.string()), actual_(actual.string()), room_bytes_(room_bytes) {}
 
 void HtmlReport::add(const PairResult& pair, std::optional<Pictures> pictures) {
     Row row{pair, std::nullopt};
-    if (pictures && bytes_ < room_bytes) {
+    if (pictures && bytes_ < room_bytes_) {
         bytes_ += pictures->bytes();
         row.pictures = pictures_.size();
         pictures_.push_back(std::move(*pictures));

@@ -27,12 +27,13 @@ public:
         std::size_t bytes() const { return expected.size() + actual.size() + heat_map.size(); }
     };
     //! Pictures go into a page as long as those before them are smaller than this, together.
-    static constexpr std::size_t room_bytes = std::size_t{192} << 20;
+    static constexpr std::size_t usual_room_bytes = std::size_t{192} << 20;
 
     static Pictures pictures_of(const ComparedFiles& files);
 
     //! \param expected, actual  what was compared, for the head of the page.
-    HtmlReport(const std::filesystem::path& expected, const std::filesystem::path& actual);
+    HtmlReport(const std::filesystem::path& expected, const std::filesystem::path& actual,
+               std::size_t room_bytes = usual_room_bytes);
 
     //! Adds a row, with its pictures where there is room.
     void add(const PairResult& pair, std::optional<Pictures> pictures);
@@ -54,6 +55,7 @@ private:
     std::string actual_;
     std::vector<Row> rows_;
     std::vector<Pictures> pictures_;
+    std::size_t room_bytes_;
     std::size_t bytes_ = 0;
 };
 

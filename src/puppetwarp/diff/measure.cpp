@@ -34,16 +34,28 @@ struct Figures {
     }
 };
 
+// So many squares of bytes fit into 32 bits, which are added faster.
+constexpr std::ptrdiff_t kRun = 1 << 15;
+
 template <class Difference>
 Figures<Difference> figures_of_row(const Difference* row, int y, int width, int channels) {
     using Sum = typename Figures<Difference>::Sum;
+    using RunSum = std::conditional_t<std::is_same_v<Difference, std::uint8_t>, std::uint32_t, Sum>;
     const std::ptrdiff_t samples = static_cast<std::ptrdiff_t>(width) * channels;
     Figures<Difference> figures;
-    for (std::ptrdiff_t i = 0; i < samples; ++i) {
-        const Sum difference = row[i];
-        figures.sum += difference;
-        figures.sum_of_squares += difference * difference;
-        figures.max = std::max(figures.max, row[i]);
+    for (std::ptrdiff_t first = 0; first < samples; first += kRun) {
+        const std::ptrdiff_t last = std::min(samples, first + kRun);
+        RunSum sum = 0, sum_of_squares = 0;
+        Difference max = 0;
+        for (std::ptrdiff_t i = first; i < last; ++i) {
+            const RunSum difference = row[i];
+            sum += difference;
+            sum_of_squares += difference * difference;
+            max = std::max(max, row[i]);
+        }
+        figures.sum += sum;
+        figures.sum_of_squares += sum_of_squares;
+        figures.max = std::max(figures.max, max);
     }
     if (figures.max == 0) return figures;
     const std::ptrdiff_t at = std::find(row, row + samples, figures.max) - row;
@@ -104,8 +116,9 @@ ChannelFigures measure_as(const AlignedPair& pair, double slight_threshold, doub
 }  // namespace
 
 ChannelFigures measure(const AlignedPair& pair, double slight_threshold, double over_threshold, cv::Mat& marks) {
-    const auto work = have_integers(pair.expected, pair.actual) ? measure_as<std::uint16_t> : measure_as<double>;
-    return work(pair, slight_threshold, over_threshold, marks);
+    return with_difference_of(pair.expected, pair.actual, pair.alpha, [&](auto zero) {
+        return measure_as<decltype(zero)>(pair, slight_threshold, over_threshold, marks);
+    });
 }
 
 MarkedArea marked_area(const cv::Mat& marks, std::uint8_t mark) {

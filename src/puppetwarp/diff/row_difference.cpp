@@ -4,13 +4,15 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 
 namespace puppetwarp {
 
 namespace {
 
-std::uint16_t difference_of(std::uint16_t a, std::uint16_t b) {
-    return static_cast<std::uint16_t>(a > b ? a - b : b - a);
+template <class Integer>
+Integer difference_of(Integer a, Integer b) {
+    return static_cast<Integer>(a > b ? a - b : b - a);
 }
 
 double difference_of(double a, double b) {
@@ -22,24 +24,29 @@ double difference_of(double a, double b) {
 
 }  // namespace
 
-bool have_integers(const cv::Mat& expected, const cv::Mat& actual) {
-    return expected.depth() != CV_32F && actual.depth() != CV_32F;
+DifferenceKind difference_kind(const cv::Mat& expected, const cv::Mat& actual, AlphaRule alpha) {
+    if (expected.depth() == CV_32F || actual.depth() == CV_32F) return DifferenceKind::reals;
+    const bool bytes = expected.depth() == CV_8U && actual.depth() == CV_8U;
+    return bytes && alpha != AlphaRule::premultiplied ? DifferenceKind::bytes : DifferenceKind::words;
 }
 
-template <>
-std::uint16_t largest_allowed(double threshold) {
-    // By division, so that a threshold of 2/255 lets 2 of 255 (514 of 65535) pass: the product could round down.
-    constexpr double full = full_difference<std::uint16_t>;
-    int allowed = static_cast<int>(threshold * full);
-    while (allowed < full && (allowed + 1) / full <= threshold) ++allowed;
-    while (allowed > 0 && allowed / full > threshold) --allowed;
-    return static_cast<std::uint16_t>(allowed);
+template <class Difference>
+Difference largest_allowed(double threshold) {
+    if constexpr (!std::is_integral_v<Difference>) {
+        return threshold;
+    } else {
+        // By division, so that a threshold of 2/255 lets 2 of 255 (514 of 65535) pass: the product could round down.
+        constexpr double full = full_difference<Difference>;
+        int allowed = static_cast<int>(threshold * full);
+        while (allowed < full && (allowed + 1) / full <= threshold) ++allowed;
+        while (allowed > 0 && allowed / full > threshold) --allowed;
+        return static_cast<Difference>(allowed);
+    }
 }
 
-template <>
-double largest_allowed(double threshold) {
-    return threshold;
-}
+template std::uint8_t largest_allowed(double threshold);
+template std::uint16_t largest_allowed(double threshold);
+template double largest_allowed(double threshold);
 
 template <class Difference>
 RowDifference<Difference>::RowDifference(const cv::Mat& expected, const cv::Mat& actual, AlphaRule alpha)
@@ -68,6 +75,7 @@ const Difference* RowDifference<Difference>::row(int y, const std::uint8_t* sele
     return difference_.data();
 }
 
+template class RowDifference<std::uint8_t>;
 template class RowDifference<std::uint16_t>;
 template class RowDifference<double>;
 

@@ -15,9 +15,19 @@ std::uint16_t product(std::uint16_t colour, std::uint16_t alpha) {
     return static_cast<std::uint16_t>((std::uint32_t{colour} * alpha + 32767U) / 65535U);
 }
 
+std::uint8_t product(std::uint8_t /*colour*/, std::uint8_t /*alpha*/) {
+    assert(!"bytes cannot hold a product");
+    return 0;
+}
+
 // What is invisible is 0, also where it is NaN or infinite.
 double product(double colour, double alpha) {
     return alpha == 0 ? 0 : colour * alpha;
+}
+
+const std::uint8_t* in_common_scale(const cv::Mat& pixels, int y, std::vector<std::uint8_t>& /*buffer*/) {
+    assert(pixels.depth() == CV_8U);
+    return pixels.ptr<std::uint8_t>(y);
 }
 
 // Full scale of both depths is 65535 then: 255 * 257.
@@ -87,6 +97,7 @@ const Value* RowReader<Value>::without_alpha(const Value* from) {
     return ruled_.data();
 }
 
+template class RowReader<std::uint8_t>;
 template class RowReader<std::uint16_t>;
 template class RowReader<double>;
 

@@ -12,9 +12,10 @@ namespace puppetwarp {
 //! How many channels of a picture are compared.
 int compared_channels(const cv::Mat& pixels, AlphaRule alpha);
 
-//! Rows of a picture on one scale for all depths, with alpha as the rule wants it: 16-bit integers (8 bits widened),
-//! or doubles of which 1 is full scale, integers rounded to float as a float file would hold them (51 of 255 equals
-//! 0.2f). One object a thread. The picture must outlive it.
+//! Rows of a picture on one scale for all depths, with alpha as the rule wants it: bytes (of 8 bits alone, and not
+//! premultiplied, which needs more), 16-bit integers (8 bits widened), or doubles of which 1 is full scale, integers
+//! rounded to float as a float file would hold them (51 of 255 equals 0.2f). One object a thread. The picture must
+//! outlive it.
 template <class Value>
 class RowReader {
 public:
@@ -35,6 +36,7 @@ private:
     std::vector<Value> ruled_;    // with the rule applied
 };
 
+extern template class RowReader<std::uint8_t>;
 extern template class RowReader<std::uint16_t>;
 extern template class RowReader<double>;
 

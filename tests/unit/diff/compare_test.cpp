@@ -195,6 +195,19 @@ TEST(Compare, NanEqualsOnlyNan) {
     EXPECT_TRUE(compare(expected, actual).same);
 }
 
+TEST(Compare, LongRowsOfTheLargestDifferencesAreSummedExactly) {
+    for (const int depth : {CV_8U, CV_16U}) {
+        const Image black = blank_image(60000, 3, depth, 4);
+        Image white = blank_image(60000, 3, depth, 4);
+        white.pixels.setTo(cv::Scalar::all(white.full_value()));
+        const Comparison comparison = compare(black, white);
+        EXPECT_EQ(comparison.mean, 1);
+        EXPECT_EQ(comparison.rmse, 1);
+        EXPECT_EQ(comparison.psnr, 0);
+        EXPECT_EQ(comparison.differing_pixels, 180000);
+    }
+}
+
 TEST(Compare, InfinityEqualsItself) {
     Image expected = blank_image(2, 1, CV_32F, 1), actual = expected;
     expected.pixels = (cv::Mat_<float>(1, 2) << std::numeric_limits<float>::infinity(), 0.5F);

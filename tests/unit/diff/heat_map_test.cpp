@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace puppetwarp::testing {
@@ -86,6 +87,45 @@ TEST(HeatMap, ASinglePixelOfALargePictureHasAHalo) {
     }
     EXPECT_EQ(colour(map, 2000, 150), cv::Vec3b(0, 0, 0));
     EXPECT_NE(colour(map, 2001, 150), cv::Vec3b(0, 0, 0));
+}
+
+TEST(HeatMap, ShowsToleratedAntialiasingBlueAndWhatTheWindowCounts) {
+    // White below a slanted edge, soft in one picture and hard in the other; a faint spot away from it.
+    Image soft = blank_image(40, 40, CV_8U, 1), hard = blank_image(40, 40, CV_8U, 1);
+    for (int y = 0; y < 40; ++y) {
+        for (int x = 0; x < 40; ++x) {
+            const double cover = std::clamp(y - 8 - 0.3 * x, 0.0, 1.0);
+            set_sample(soft, y, x, 0, cover);
+            set_sample(hard, y, x, 0, std::round(cover));
+        }
+    }
+    hard.pixels.at<std::uint8_t>(2, 30) = 2;
+    const CompareOptions options{.threshold = 0.1, .antialiasing = true};
+    const Image tolerated = heat_map(soft, hard, options);
+    int blue = 0;
+    for (int y = 0; y < 40; ++y) {
+        for (int x = 0; x < 40; ++x) blue += colour(tolerated, x, y) == cv::Vec3b(40, 150, 255);
+    }
+    EXPECT_EQ(blue, compare(soft, hard, options).antialiased_pixels);
+    EXPECT_GT(blue, 10);
+    EXPECT_TRUE(is_grey(colour(tolerated, 30, 2)));
+    CompareOptions window = options;
+    window.window_px = 8;
+    EXPECT_FALSE(is_grey(colour(heat_map(soft, hard, window), 30, 2)));
+}
+
+TEST(HeatMap, ShowsWhatAnEyeSeesWhenThatDecides) {
+    Image expected = blank_image(60, 60, CV_8U, 3), actual = blank_image(60, 60, CV_8U, 3);
+    actual.pixels(cv::Rect(25, 25, 10, 10)).setTo(cv::Scalar::all(200));
+    const CompareOptions options{.metric = DiffMetric::flip, .threshold = 0.2};
+    const Image map = heat_map(expected, actual, options);
+    std::int64_t coloured = 0;
+    for (int y = 0; y < 60; ++y) {
+        for (int x = 0; x < 60; ++x)
+            coloured += is_grey(colour(map, x, y)) && brightness(colour(map, x, y)) > 0 ? 0 : 1;
+    }
+    EXPECT_EQ(coloured, compare(expected, actual, options).differing_pixels);
+    EXPECT_GT(coloured, 100);  // around the square, too
 }
 
 TEST(HeatMap, NanAndInfinityHaveColours) {

@@ -107,10 +107,10 @@ TEST(SideBySide, PicturesOfOtherSizesAndOfOnePixelAreShownToo) {
 
 TEST(HtmlReport, KeepsTheRowsAndLeavesOutPicturesThatHaveNoRoom) {
     const tests::TemporaryFolder folder;
-    HtmlReport report("exp", "act");
+    HtmlReport report("exp", "act", 1000);
     PairResult pair{"a.png", PairState::different, {}, {}};
     pair.comparison.comparable = true;
-    const std::string large(HtmlReport::room_bytes / 2 + 1, 'x');
+    const std::string large(501, 'x');
     for (int i = 0; i < 3; ++i) report.add(pair, HtmlReport::Pictures{large, "y", "", 1});
     OutputFile file(folder / "page.html");
     report.write(file);

@@ -1,5 +1,7 @@
 #include <puppetwarp/image/exr_channels.h>
 
+#include <puppetwarp/base/threads.h>
+
 #include <puppetwarp/image/exr_stream.h>
 
 #include <ImfChannelList.h>
@@ -12,6 +14,7 @@
 #include <ImfMultiPartInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfPartType.h>
+#include <ImfThreading.h>
 
 #include <algorithm>
 
@@ -20,6 +23,15 @@ namespace puppetwarp {
 namespace {
 
 constexpr int rows_at_a_time = 64;  // whole blocks of ZIP, which are 16 rows high
+
+// OpenEXR has one pool of threads a process; it grows to what the loops of puppetwarp use. Blocks are written in their
+// order, whoever compresses them.
+int exr_threads() {
+    const int threads = thread_count();
+    if (threads < 2) return 0;
+    if (Imf::globalThreadCount() < threads) Imf::setGlobalThreadCount(threads);
+    return threads;
+}
 
 PixelWindow window_of(const Imath::Box2i& box) {
     return {box.min.x, box.min.y, box.max.x - box.min.x + 1, box.max.y - box.min.y + 1};
@@ -64,7 +76,7 @@ Imf::FrameBuffer frame_over(cv::Mat& rows, const PixelWindow& data, int first_ro
 class ChannelFile {
 public:
     ChannelFile(const PictureFile& file, const ReadOptions& options)
-        : name_(file.name()), stream_(file), file_(stream_, 0), header_(file_.header(0)) {
+        : name_(file.name()), stream_(file), file_(stream_, exr_threads()), header_(file_.header(0)) {
         if (header_.hasType() && !Imf::isImage(header_.type()))
             throw InvalidInput(name_, "deep EXR pictures are not known", "flatten it first");
         data_ = window_of(header_.dataWindow());
@@ -133,7 +145,7 @@ void write_exr_channels(const ChannelLayout& layout, const FillRows& fill, const
     cv::Mat buffer = buffer_for(file.target().string(), data, layout.channels.size());
     ExrOutput stream(file);
     writing_exr(file, stream, [&] {
-        Imf::OutputFile output(stream, header_for(layout, options), 0);
+        Imf::OutputFile output(stream, header_for(layout, options), exr_threads());
         for (int row = 0; row < data.height; row += buffer.rows) {
             cv::Mat rows = buffer.rowRange(0, std::min(buffer.rows, data.height - row));
             fill(row, rows);

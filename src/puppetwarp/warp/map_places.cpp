@@ -38,21 +38,22 @@ Point smaller(const Step& after, const Step& before) {
 // A pixel of the map, how far from its centre the output's pixel lies, and its neighbours.
 struct MapPlaces::Node {
     std::int64_t x, y;
-    double along_x, along_y;  // in [-1/2, 1/2] pixels of the map
+    double along_x, along_y;  // in [-1, 1] pixels of the map
     Point place;
     Step right, left, below, above;
+    double shown;
 };
 
-MapPlaces::MapPlaces(const DisplacementMap& map, const Canvas& canvas, const Eigen::Array2d& magnification, int width,
-                     int height)
+MapPlaces::MapPlaces(const DisplacementMap& map, const Canvas& canvas, const Eigen::Array2d& magnification,
+                     const Image& picture)
     : map_(map),
       canvas_(canvas),
       magnification_(magnification),
       same_size_((magnification == 1).all()),
-      width_(width),
-      height_(height),
-      resolution_(static_cast<double>(width) / map.plane.source_width,
-                  static_cast<double>(height) / map.plane.source_height) {}
+      width_(picture.width()),
+      height_(picture.height()),
+      has_alpha_(picture.has_alpha()),
+      resolution_(width_ / map.plane.source_width, height_ / map.plane.source_height) {}
 
 std::optional<Point> MapPlaces::stored(std::int64_t x, std::int64_t y) const {
     if (x < 0 || y < 0 || x >= map_.displacement.cols || y >= map_.displacement.rows) return std::nullopt;
@@ -64,31 +65,64 @@ std::optional<Point> MapPlaces::stored(std::int64_t x, std::int64_t y) const {
     return place.lpNorm<Eigen::Infinity>() <= farthest_px ? std::optional(place) : std::nullopt;
 }
 
+double MapPlaces::stored_share(std::int64_t x, std::int64_t y) const {
+    return static_cast<double>(map_.displacement.ptr<cv::Vec3f>(static_cast<int>(y))[static_cast<int>(x)][2]);
+}
+
 std::optional<MapPlaces::Node> MapPlaces::node(int column, int row) const {
+    auto found = same_size_ ? node_at(column, row) : node_near(column, row);
+    if (!found) return found;
+    const auto step = [&](int dx, int dy) -> Step {
+        const auto neighbour = stored(found->x + dx, found->y + dy);
+        return neighbour ? Step(*neighbour - found->place) : std::nullopt;
+    };
+    found->right = step(1, 0);
+    found->left = step(-1, 0);
+    found->below = step(0, 1);
+    found->above = step(0, -1);
+    return found;
+}
+
+// The map's own pixel.
+std::optional<MapPlaces::Node> MapPlaces::node_at(int column, int row) const {
     Node node{};
-    if (same_size_) {
-        node.x = std::int64_t{canvas_.x} + column - map_.plane.canvas.x;
-        node.y = std::int64_t{canvas_.y} + row - map_.plane.canvas.y;
-    } else {
-        const double x = (canvas_.x + (column + 0.5)) / magnification_.x() - map_.plane.canvas.x;
-        const double y = (canvas_.y + (row + 0.5)) / magnification_.y() - map_.plane.canvas.y;
-        node.x = static_cast<std::int64_t>(std::floor(x));
-        node.y = static_cast<std::int64_t>(std::floor(y));
-        node.along_x = x - 0.5 - static_cast<double>(node.x);
-        node.along_y = y - 0.5 - static_cast<double>(node.y);
-    }
+    node.x = std::int64_t{canvas_.x} + column - map_.plane.canvas.x;
+    node.y = std::int64_t{canvas_.y} + row - map_.plane.canvas.y;
     const auto place = stored(node.x, node.y);
     if (!place) return std::nullopt;
     node.place = *place;
-    const auto step = [&](int dx, int dy) -> Step {
-        const auto neighbour = stored(node.x + dx, node.y + dy);
-        return neighbour ? Step(*neighbour - node.place) : std::nullopt;
-    };
-    node.right = step(1, 0);
-    node.left = step(-1, 0);
-    node.below = step(0, 1);
-    node.above = step(0, -1);
+    node.shown = stored_share(node.x, node.y);
     return node;
+}
+
+// Of the four pixels of the map around a place the nearest that shows something. Pictures with alpha end by that: for
+// them all that one of the four shows is shown, for others what they show by more than half.
+std::optional<MapPlaces::Node> MapPlaces::node_near(int column, int row) const {
+    const double x = (canvas_.x + (column + 0.5)) / magnification_.x() - map_.plane.canvas.x;
+    const double y = (canvas_.y + (row + 0.5)) / magnification_.y() - map_.plane.canvas.y;
+    if (!(x >= 0 && y >= 0 && x < map_.displacement.cols && y < map_.displacement.rows)) return std::nullopt;
+    const auto left = static_cast<std::int64_t>(std::floor(x - 0.5)),
+               top = static_cast<std::int64_t>(std::floor(y - 0.5));
+    const double fx = x - 0.5 - static_cast<double>(left), fy = y - 0.5 - static_cast<double>(top);
+    std::optional<Node> best;
+    double most = 0, sum = 0, shown = 0;
+    for (int k = 0; k < 4; ++k) {
+        // Beyond its border the map goes on.
+        const std::int64_t px = std::clamp<std::int64_t>(left + k % 2, 0, map_.displacement.cols - 1);
+        const std::int64_t py = std::clamp<std::int64_t>(top + k / 2, 0, map_.displacement.rows - 1);
+        const double weight = (k % 2 == 0 ? 1 - fx : fx) * (k / 2 == 0 ? 1 - fy : fy);
+        const auto place = stored(px, py);
+        if (!place || !(weight > 0)) continue;
+        sum += weight;
+        shown += weight * stored_share(px, py);
+        if (weight <= most) continue;
+        most = weight;
+        best = Node{px, py, x - 0.5 - static_cast<double>(px), y - 0.5 - static_cast<double>(py), *place, {}, {}, {},
+                    {}, 0};
+    }
+    if (!best || (!has_alpha_ && sum < 0.5)) return std::nullopt;
+    best->shown = shown / sum;
+    return best;
 }
 
 // Bilinear where the four pixels around belong together, else along the slopes of the nearest.
@@ -106,37 +140,19 @@ Point MapPlaces::between(const Node& node) const {
     return belongs ? Point(plane + fx * fy * twist) : plane;
 }
 
-// Bilinear; pixels that show nothing count as 0.
-double MapPlaces::shown_between(const Node& node) const {
-    const auto at = [&](std::int64_t x, std::int64_t y) {
-        return stored(x, y)
-                   ? static_cast<double>(map_.displacement.ptr<cv::Vec3f>(static_cast<int>(y))[static_cast<int>(x)][2])
-                   : 0.0;
-    };
-    if (same_size_) return at(node.x, node.y);
-    const auto beside = [](std::int64_t nearest, double along, std::int64_t size) {
-        return std::clamp<std::int64_t>(nearest + (along >= 0 ? 1 : -1), 0, size - 1);  // beyond the map it goes on
-    };
-    const std::int64_t x = beside(node.x, node.along_x, map_.displacement.cols);
-    const std::int64_t y = beside(node.y, node.along_y, map_.displacement.rows);
-    const double fx = std::abs(node.along_x), fy = std::abs(node.along_y);
-    return (at(node.x, node.y) * (1 - fx) + at(x, node.y) * fx) * (1 - fy) +
-           (at(node.x, y) * (1 - fx) + at(x, y) * fx) * fy;
-}
-
 bool MapPlaces::is_in_picture(const Point& at) const {
     return at.x() >= -0.5 && at.y() >= -0.5 && at.x() <= width_ + 0.5 && at.y() <= height_ + 0.5;
 }
 
 bool MapPlaces::is_covered(int column, int row) const {
-    const auto found = node(column, row);
-    return found && is_in_picture(between(*found)) && shown_between(*found) >= 1;
+    const auto found = same_size_ ? node_at(column, row) : node(column, row);
+    return found && found->shown >= 1 && is_in_picture(between(*found));
 }
 
 std::optional<ShownPlace> MapPlaces::shown(int column, int row) const {
     const auto found = node(column, row);
     if (!found) return std::nullopt;
-    ShownPlace shown{between(*found), shown_between(*found), {}};
+    ShownPlace shown{between(*found), found->shown, {}};
     if (!is_in_picture(shown.at)) return std::nullopt;
     shown.slope << smaller(found->right, found->left), smaller(found->below, found->above);
     shown.slope.array().rowwise() /= magnification_.transpose();

@@ -17,9 +17,8 @@ struct ShownPlace {
 class MapPlaces {
 public:
     //! \param magnification  pixels of the output for one of the map, along x and y.
-    //! \param width,height   of the picture.
-    MapPlaces(const DisplacementMap& map, const Canvas& canvas, const Eigen::Array2d& magnification, int width,
-              int height);
+    MapPlaces(const DisplacementMap& map, const Canvas& canvas, const Eigen::Array2d& magnification,
+              const Image& picture);
 
     //! The place that pixel (column, row) of the canvas shows; none beyond the map and where it shows nothing, nor
     //! where it shows what is more than half a pixel outside of the picture.
@@ -30,9 +29,11 @@ public:
 private:
     struct Node;
     std::optional<Node> node(int column, int row) const;
+    std::optional<Node> node_at(int column, int row) const;
+    std::optional<Node> node_near(int column, int row) const;
     std::optional<Point> stored(std::int64_t x, std::int64_t y) const;
+    double stored_share(std::int64_t x, std::int64_t y) const;
     Point between(const Node& node) const;
-    double shown_between(const Node& node) const;
     bool is_in_picture(const Point& at) const;
 
     const DisplacementMap& map_;
@@ -40,6 +41,7 @@ private:
     Eigen::Array2d magnification_;
     bool same_size_;  // no magnification
     double width_, height_;
+    bool has_alpha_;
     Eigen::Array2d resolution_;  // pixels of the picture for one of the map's source
 };
 

@@ -164,8 +164,7 @@ Image warp_through(const Image& image, const DisplacementMap& map, const Through
     require_map(map, options);
     const Canvas canvas = chosen_canvas(map, options);
     progress.step("warp", 0);
-    const MapPlaces places(map, canvas, {options.x_magnification, options.y_magnification}, image.width(),
-                           image.height());
+    const MapPlaces places(map, canvas, {options.x_magnification, options.y_magnification}, image);
     detail::PixelFormat format{image.pixels.depth(), image.pixels.channels(), false};
     format.adds_alpha = !image.has_alpha() && !covers(places, canvas);
 

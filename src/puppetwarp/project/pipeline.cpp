@@ -326,10 +326,10 @@ Rendered render_through(const std::filesystem::path& picture, const std::filesys
     const MapScales scales = scales_of(stored, info, map_file, options);
     report.canvas = canvas_through(stored.map.plane, scales, info, options);
     require_size(report.canvas, options.read.max_pixels);
-    if (stored.rounding_px > coarsest_map_px) {
+    if (stored.map.rounding_px > coarsest_map_px) {
         char text[64];
         std::snprintf(text, sizeof(text), ": its numbers are rounded to %.2g px (use 32-bit floats)",
-                      stored.rounding_px);
+                      stored.map.rounding_px);
         report.warnings.push_back(map_file.string() + text);
     }
     const Image image = read_image(picture, options.read);

@@ -31,6 +31,7 @@ struct DisplacementMap {
     //! source, x right, y down, not numbers where nothing is shown; then how much of what the source has there is
     //! shown, in [0, 1].
     cv::Mat displacement;
+    double rounding_px = 0;  //!< how far places may be off by the numbers of a file that the map was read from
 };
 
 //! The map that `warp` draws with, made row by row: for maps that are too large to be held at once.

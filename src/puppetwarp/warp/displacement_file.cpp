@@ -199,7 +199,7 @@ StoredDisplacement read_with(const MapForm& form, int width, int height,
     StoredDisplacement result;
     result.knows_source = form.plane.has_value();
     result.map.plane = form.plane.value_or(DisplacementPlane{form.canvas, 1, width, height});
-    result.rounding_px = form.rounding * std::max(result.map.plane.source_width, result.map.plane.source_height);
+    result.map.rounding_px = form.rounding * std::max(result.map.plane.source_width, result.map.plane.source_height);
     PlaceReader reader(form, result.map.plane);
     read_rows([&](int first_row, const cv::Mat& rows) { reader.take(first_row, rows); });
     result.map.displacement = reader.finished();

@@ -39,11 +39,10 @@ void write_displacement(const DisplacementRows& rows, const std::filesystem::pat
 void write_displacement(const DisplacementMap& map, const std::filesystem::path& path,
                         const WriteOptions& options = {});
 
-//! A map from a file, with what is known of its digits.
+//! A map from a file.
 struct StoredDisplacement {
     DisplacementMap map;
     bool knows_source = false;  //!< the file says what picture it was made for; else it is taken for the one at hand
-    double rounding_px = 0;     //!< how far places may be off by the numbers that the file holds
 };
 
 //! Reads a map of this or another program: an EXR with channels R and G, or any picture of 16 or 32 bits with red and

@@ -27,17 +27,16 @@ using detail::ShownPlace;
 
 constexpr int band_rows = 32;
 constexpr int bands_between_reports = 16;
+constexpr double least_slope_noise = 1e-4;
 
-// Slopes come from numbers that were rounded: a whole factor must not need one sample more for it.
-constexpr double slope_noise = 1e-3;
-
-int samples_for(const Eigen::Matrix2d& slope) {
+// \param noise  of the slope, whose numbers were rounded: a whole factor must not need one sample more for it.
+int samples_for(const Eigen::Matrix2d& slope, double noise) {
     if (slope.squaredNorm() <= detail::single_sample_limit * detail::single_sample_limit) return 1;
     const double same = std::hypot(slope(0, 0) + slope(1, 1), slope(1, 0) - slope(0, 1));
     const double opposite = std::hypot(slope(0, 0) - slope(1, 1), slope(1, 0) + slope(0, 1));
     const double largest_stretch = (same + opposite) / 2;
-    if (!(largest_stretch > detail::single_sample_limit + slope_noise)) return 1;
-    return static_cast<int>(std::ceil(std::min<double>(largest_stretch - slope_noise, detail::most_samples)));
+    if (!(largest_stretch > detail::single_sample_limit + noise)) return 1;
+    return static_cast<int>(std::ceil(std::min<double>(largest_stretch - noise, detail::most_samples)));
 }
 
 std::int64_t fixed_point(double value) {
@@ -48,11 +47,12 @@ std::int64_t fixed_point(double value) {
 class MapPainter {
 public:
     MapPainter(const cv::Mat& pixels, const MapPlaces& places, const detail::PixelFormat& format,
-               Interpolation interpolation, cv::Mat& out)
+               Interpolation interpolation, double rounding_px, cv::Mat& out)
         : source_{pixels.data, pixels.step[0], pixels.cols, pixels.rows},
           places_(places),
           format_(format),
           interpolation_(interpolation),
+          slope_noise_(least_slope_noise + 4 * rounding_px),
           sample_(detail::find_scalar_sampler(format, interpolation)),
           ops_(detail::find_pixel_ops(format)),
           out_(out) {}
@@ -73,7 +73,7 @@ public:
 
 private:
     void paint_pixel(const ShownPlace& shown, void* pixel) const {
-        const int samples = interpolation_ == Interpolation::nearest ? 1 : samples_for(shown.slope);
+        const int samples = interpolation_ == Interpolation::nearest ? 1 : samples_for(shown.slope, slope_noise_);
         const Point corner = shown.at - Point(0.5, 0.5);
         if (samples > 1) {
             supersample(shown, samples, pixel);
@@ -122,6 +122,7 @@ private:
     const MapPlaces& places_;
     detail::PixelFormat format_;
     Interpolation interpolation_;
+    double slope_noise_;
     detail::RunSampler sample_;
     detail::PixelOps ops_;
     cv::Mat& out_;
@@ -170,7 +171,7 @@ Image warp_through(const Image& image, const DisplacementMap& map, const Through
 
     const int type = CV_MAKETYPE(format.depth, format.out_channels());
     Image result{detail::allocate_canvas(canvas, type), image.metadata};
-    const MapPainter painter(image.pixels, places, format, options.interpolation, result.pixels);
+    const MapPainter painter(image.pixels, places, format, options.interpolation, map.rounding_px, result.pixels);
     constexpr int rows_between_reports = band_rows * bands_between_reports;
     for (int row = 0; row < canvas.height; row += rows_between_reports) {
         progress.step("warp", static_cast<double>(row) / canvas.height);

@@ -206,7 +206,7 @@ TEST_F(MapFile, StMapsAloneKeepPlacesToAFractionOfAPixel) {
     write_displacement(map, folder / "map.tif");
     const StoredDisplacement stored = read_displacement(folder / "map.tif", 8000, 6000);
     EXPECT_FALSE(stored.knows_source);
-    EXPECT_NEAR(stored.rounding_px, 2.4e-4, 1e-5);
+    EXPECT_NEAR(stored.map.rounding_px, 2.4e-4, 1e-5);
     for (int y = 0; y < 4; ++y) {
         for (int x = 0; x < 8000; ++x) {
             const auto& a = stored.map.displacement.at<cv::Vec3f>(y, x);
@@ -285,7 +285,7 @@ TEST_F(MapFile, NumbersThatAreNoPlacesShowNothing) {
 TEST_F(MapFile, HalfFloatsAndSixteenBitsAreReadAndTheirRoundingSaid) {
     store_exr(folder / "map.exr", {"R", "G"}, 8, 4, identity, true);
     const StoredDisplacement halves = read_displacement(folder / "map.exr", 4000, 2000);
-    EXPECT_NEAR(halves.rounding_px, 4000.0 / 4096, 1e-9);
+    EXPECT_NEAR(halves.map.rounding_px, 4000.0 / 4096, 1e-9);
     Image words{cv::Mat(4, 8, CV_16UC3), {}};
     for (int y = 0; y < 4; ++y) {
         for (int x = 0; x < 8; ++x) {
@@ -295,7 +295,7 @@ TEST_F(MapFile, HalfFloatsAndSixteenBitsAreReadAndTheirRoundingSaid) {
     }
     write_image(words, folder / "map.png");
     const StoredDisplacement png = read_displacement(folder / "map.png", 4000, 2000);
-    EXPECT_NEAR(png.rounding_px, 4000.0 / 131070, 1e-9);
+    EXPECT_NEAR(png.map.rounding_px, 4000.0 / 131070, 1e-9);
     EXPECT_NEAR(png.map.displacement.at<cv::Vec3f>(3, 7)[0], 3750 - 7.5, 0.04);
     EXPECT_NEAR(png.map.displacement.at<cv::Vec3f>(3, 7)[1], 1750 - 3.5, 0.02);
 }

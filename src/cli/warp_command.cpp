@@ -190,7 +190,8 @@ void add_picture_options(CLI::App& warp, WarpRequest& request) {
     warp.add_option(
             "--image", request.image,
             "Draw this picture instead of the puppet's, at any resolution; coordinates stay those of the puppet's")
-        ->type_name("PICTURE");
+        ->type_name("PICTURE")
+        ->check(not_empty());
     warp.add_option("--canvas", request.canvas,
                     "keep (default), grow so that nothing is cut off, or WxH+X+Y in pixels before --scale")
         ->type_name("C");
@@ -224,20 +225,28 @@ void add_data_options(CLI::App& warp, WarpRequest& request) {
             "Write the deformation as an ST map of 32-bit floats (.exr, .tif): red x / width, green 1 - y / height "
             "of the place in the picture that a pixel shows, blue and alpha 1 where there is one. EXR has "
             "displacement.x and displacement.y too: pixels to that place, right and up")
-        ->type_name("OUT");
+        ->type_name("OUT")
+        ->check(not_empty());
     warp.add_option("--mesh-out", request.mesh_out,
                     "Write the moved mesh: .off, .obj with texture coordinates, or .svg over the result")
-        ->type_name("OUT");
-    CLI::Option* map =
-        warp.add_option(
-                "--displacement-in", request.displacement_in,
-                "Draw the picture through an ST map (.exr, .tif, or any picture of 16 or 32 bits) instead of pins; "
-                "--canvas is all that the map holds by default")
-            ->type_name("MAP");
-    for (const char* other :
-         {"--displacement", "--mesh-out", "--image", "--pin", "--pose", "--method", "--arap-energy", "--weights",
-          "--partition", "--l1-budget", "--no-cache", "--pin-snap", "--overlay", "--fail-on-fold", "--fail-on-stretch"})
-        map->excludes(other);
+        ->type_name("OUT")
+        ->check(not_empty());
+    warp.add_option("--displacement-in", request.displacement_in,
+                    "Draw the picture through an ST map (.exr, .tif, or any picture of 16 or 32 bits) instead of pins; "
+                    "--canvas is all that the map holds by default")
+        ->type_name("MAP")
+        ->check(not_empty());
+}
+
+// A map holds all of the deformation: there is nothing for pins, methods and meshes to do.
+void require_map_alone(const CLI::App& warp) {
+    for (const char* other : {"--pin", "--pose", "--method", "--arap-energy", "--weights", "--partition", "--l1-budget",
+                              "--no-cache", "--pin-snap", "--overlay", "--image", "--displacement", "--mesh-out",
+                              "--fail-on-fold", "--fail-on-stretch"}) {
+        if (warp.count(other) == 0) continue;
+        throw InvalidInput("usage", std::string("--displacement-in leaves nothing to do for ") + other,
+                           "leave one of them away");
+    }
 }
 
 }  // namespace
@@ -261,9 +270,13 @@ void add_warp_command(CLI::App& app, const GlobalOptions& global, int& exit_code
     warp->add_flag("--strict", request->strict, "Exit 2 when the format cannot hold what there is");
     warp->add_flag("--force", request->force, "Let the output replace the input");
     request->report.add_to(*warp);
-    warp->callback([request, &global, &exit_code] {
-        exit_code =
-            request->displacement_in.empty() ? warp_picture(*request, global) : warp_through_map(*request, global);
+    warp->callback([request, warp, &global, &exit_code] {
+        if (request->displacement_in.empty()) {
+            exit_code = warp_picture(*request, global);
+        } else {
+            require_map_alone(*warp);
+            exit_code = warp_through_map(*request, global);
+        }
     });
 }
 

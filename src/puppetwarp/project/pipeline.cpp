@@ -1,19 +1,17 @@
 #include <puppetwarp/project/pipeline.h>
 
 #include <puppetwarp/base/errors.h>
-#include <puppetwarp/image/write.h>
 #include <puppetwarp/mesh/triangulate.h>
+#include <puppetwarp/project/result_picture.h>
 #include <puppetwarp/project/source_picture.h>
 #include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/project/weights_cache.h>
 #include <puppetwarp/rig/snap.h>
 #include <puppetwarp/warp/background.h>
-#include <puppetwarp/warp/displacement_file.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 namespace puppetwarp {
@@ -22,9 +20,6 @@ namespace {
 
 // Fewer pixels than a cubic filter has taps hold nothing that could be bent.
 constexpr int smallest_side_px = 4;
-
-// Maps whose numbers are rounded to more make a smooth picture ripple.
-constexpr double coarsest_map_px = 1.0 / 16;
 
 TriangulationOptions triangulation_options(const Puppet& puppet, const Outline& outline) {
     TriangulationOptions options;
@@ -65,31 +60,16 @@ Canvas choose_canvas(const CanvasChoice& choice, int width, int height, const Ei
     return choice.kind == CanvasChoice::Kind::keep ? own : grown_canvas(own.width, own.height, moved);
 }
 
-void require_size(const Canvas& canvas, std::int64_t max_pixels) {
-    const std::int64_t pixels = std::int64_t{canvas.width} * canvas.height;
-    if (pixels > max_pixels) {
-        throw InvalidInput("canvas",
-                           "would have " + std::to_string(canvas.width) + " x " + std::to_string(canvas.height) +
-                               " pixels, more than " + std::to_string(max_pixels),
-                           "raise --max-pixels or choose a smaller --canvas or --scale");
-    }
-}
-
 // The choice in pixels of a picture of another resolution.
 CanvasChoice at_resolution(const CanvasChoice& choice, const Eigen::RowVector2d& resolution) {
     if (choice.kind != CanvasChoice::Kind::given) return choice;
     return {choice.kind, scaled_canvas(choice.canvas, resolution.x(), resolution.y())};
 }
 
-void require_scale(const RenderOptions& options) {
-    if (!(options.scale > 0) || !std::isfinite(options.scale))
-        throw InvalidInput("scale", "is not a finite number above 0");
-}
-
 // What headers tell, before any work: sizes, and whether the canvas is possible as far as no moved position decides.
 // Nothing is read, and no size told, where there is nothing to learn.
 std::optional<SourceSize> size_before_work(const Puppet& puppet, const RenderOptions& options) {
-    require_scale(options);
+    require_scale(options.scale);
     const bool given = options.canvas.kind == CanvasChoice::Kind::given;
     std::optional<SourceSize> size;
     if (!options.image.empty() || (options.scale != 1 && !given))
@@ -99,73 +79,9 @@ std::optional<SourceSize> size_before_work(const Puppet& puppet, const RenderOpt
     const CanvasChoice least = !given ? CanvasChoice{}
                                : size ? at_resolution(options.canvas, size->resolution())
                                       : options.canvas;
-    require_size(choose_canvas(least, size ? size->width : 0, size ? size->height : 0, {}, options.scale),
-                 options.read.max_pixels);
+    require_result_size(choose_canvas(least, size ? size->width : 0, size ? size->height : 0, {}, options.scale),
+                        options.read.max_pixels);
     return size;
-}
-
-// The picture before the warp, as the result's plane shows it.
-Image at_scale(const Image& image, const RenderOptions& options, Progress& progress) {
-    if (options.scale == 1) return image;
-    TriangleMesh whole{Eigen::MatrixX2d(4, 2), Eigen::MatrixX3i(2, 3)};
-    whole.V << 0, 0, image.width(), 0, image.width(), image.height(), 0, image.height();
-    whole.F << 0, 1, 2, 0, 2, 3;
-    const Canvas canvas = scaled_canvas({0, 0, image.width(), image.height()}, options.scale, options.scale);
-    return warp(image, whole, whole.V * options.scale, {options.interpolation, canvas}, progress);
-}
-
-// A warped picture as the puppet and the file format want it.
-// \param original  the picture before the warp, not scaled; `whole`: nothing of it was cut out.
-Image finished(const Image& warped, const Image& original, bool whole, Background background,
-               const RenderOptions& options, RenderReport& report, Progress& progress) {
-    const auto laid_over = [&] {
-        const bool shows_original = background.kind == Background::Kind::keep && warped.has_alpha();
-        return lay_over(background, warped, shows_original ? at_scale(original, options, progress) : original,
-                        report.canvas);
-    };
-    Image result = laid_over();
-    if (options.format.empty()) return result;
-
-    report.lost = lost_in_format(result, options.format);
-    if (result.has_alpha() && !format_holds_alpha(options.format)) {
-        background.kind = whole ? Background::Kind::keep : Background::Kind::colour;
-        background.rgba = {1, 1, 1, 1};
-        result = laid_over();
-    }
-    return result;
-}
-
-// Pixels of a result through a map.
-struct MapScales {
-    Eigen::Array2d map;  // for one of the map
-    double picture;      // for one of the picture
-};
-
-MapScales scales_of(const StoredDisplacement& stored, const ImageInfo& picture, const std::filesystem::path& map_file,
-                    const RenderOptions& options) {
-    const DisplacementPlane& plane = stored.map.plane;
-    const SourceSize size{picture.width, picture.height, plane.source_width, plane.source_height};
-    if (!size.is_same_shape()) {
-        throw InvalidInput(map_file.string(),
-                           "was made for a picture of " + std::to_string(plane.source_width) + " x " +
-                               std::to_string(plane.source_height) + " pixels, and this one has " +
-                               std::to_string(picture.width) + " x " + std::to_string(picture.height),
-                           "give that picture, at any resolution");
-    }
-    return {size.resolution().transpose().array() * options.scale, plane.scale * options.scale};
-}
-
-Canvas canvas_through(const DisplacementPlane& plane, const MapScales& scales, const ImageInfo& picture,
-                      const RenderOptions& options) {
-    if (options.canvas.kind == CanvasChoice::Kind::given)
-        return scaled_canvas(options.canvas.canvas, scales.picture, scales.picture);
-    const Canvas all = scaled_canvas(plane.canvas, scales.map.x(), scales.map.y());
-    if (options.canvas.kind == CanvasChoice::Kind::of_map) return all;
-    const Canvas own = scaled_canvas({0, 0, picture.width, picture.height}, scales.picture, scales.picture);
-    if (options.canvas.kind == CanvasChoice::Kind::keep) return own;
-    Eigen::MatrixX2d corners(2, 2);
-    corners << all.x, all.y, static_cast<double>(all.x) + all.width, static_cast<double>(all.y) + all.height;
-    return grown_canvas(own.width, own.height, corners);
 }
 
 // Positions in pixels of a picture of another resolution.
@@ -271,11 +187,11 @@ Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutou
     const Eigen::MatrixX2d shown = moved * options.scale;
     report.scale = options.scale;
     report.canvas = choose_canvas(options.canvas, image.width(), image.height(), shown, options.scale);
-    require_size(report.canvas, options.read.max_pixels);
+    require_result_size(report.canvas, options.read.max_pixels);
     const Image warped =
         warp(apply_cutout(image, cutout), mesh, shown, {options.interpolation, report.canvas}, progress);
     const Background background = background_from_name(puppet.background.value_or("transparent"));
-    return finished(warped, image, cutout.whole, background, options, report, progress);
+    return finished_picture(warped, image, cutout.whole, background, options, report, progress);
 }
 
 Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& options, Progress& progress) {
@@ -311,37 +227,6 @@ Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& opt
     rendered.rig = std::move(solved.rig);
     rendered.resolution = resolution;
     rendered.scale = options.scale;
-    return rendered;
-}
-
-Rendered render_through(const std::filesystem::path& picture, const std::filesystem::path& map_file,
-                        const std::string& background, const RenderOptions& options, Progress& progress) {
-    require_scale(options);
-    Rendered rendered;
-    RenderReport& report = rendered.report;
-    StageTimer timer(report.timings_ms);
-    progress.step("read", 0);
-    const ImageInfo info = read_image_info(picture, options.read);
-    const StoredDisplacement stored = read_displacement(map_file, info.width, info.height, options.read);
-    const MapScales scales = scales_of(stored, info, map_file, options);
-    report.canvas = canvas_through(stored.map.plane, scales, info, options);
-    require_size(report.canvas, options.read.max_pixels);
-    if (stored.map.rounding_px > coarsest_map_px) {
-        char text[64];
-        std::snprintf(text, sizeof(text), ": its numbers are rounded to %.2g px (use 32-bit floats)",
-                      stored.map.rounding_px);
-        report.warnings.push_back(map_file.string() + text);
-    }
-    const Image image = read_image(picture, options.read);
-    timer.end("read");
-
-    RenderOptions drawing = options;
-    drawing.scale = report.scale = scales.picture;
-    const Image warped = warp_through(image, stored.map,
-                                      {options.interpolation, scales.map.x(), scales.map.y(), report.canvas}, progress);
-    rendered.image =
-        finished(warped, image, !image.has_alpha(), background_from_name(background), drawing, report, progress);
-    timer.end("warp");
     return rendered;
 }
 

@@ -1,5 +1,7 @@
 #include <puppetwarp/image/exr_stream.h>
 
+#include <ImfOutputFile.h>  // declared by ImfIO.h; our own class has its name
+
 #include <cerrno>
 
 #include <unistd.h>

@@ -30,9 +30,8 @@ const std::string width_attribute = "puppetwarp:sourceWidth";
 const std::string height_attribute = "puppetwarp:sourceHeight";
 const std::string scale_attribute = "puppetwarp:scale";
 
-// What a pixel of a file holds, in this order.
+// What a pixel of a file holds, in this order; a TIFF only the first four.
 constexpr int st_channels = 4;
-constexpr int exr_channels = 6;
 const std::vector<std::string> exr_names{"R", "G", "B", "A", "displacement.x", "displacement.y"};
 
 // Shares of the source's size: the rounding of a 32-bit float up to 1, and what a program may lose that computes in
@@ -46,7 +45,7 @@ bool is_exr_name(const std::filesystem::path& path) {
     return output_format(path) == "exr";
 }
 
-// \param out  st_channels or exr_channels numbers a pixel.
+// \param channels  st_channels, or all. \param out  so many numbers a pixel.
 void store_row(const DisplacementPlane& plane, const cv::Vec3f* displacement, int row, int channels, float* out) {
     for (int column = 0; column < plane.canvas.width; ++column, out += channels) {
         const cv::Vec3f& moved = displacement[column];

@@ -132,7 +132,7 @@ Point MapPlaces::between(const Node& node) const {
     const double fx = std::abs(node.along_x), fy = std::abs(node.along_y);
     const Point x_step = right ? continued(node.right, node.left) : continued(node.left, node.right);
     const Point y_step = below ? continued(node.below, node.above) : continued(node.above, node.below);
-    const Point plane = node.place + fx * x_step + fy * y_step;
+    Point plane = node.place + fx * x_step + fy * y_step;
     const auto diagonal = stored(node.x + (right ? 1 : -1), node.y + (below ? 1 : -1));
     if (!diagonal) return plane;
     const Point twist = *diagonal - node.place - x_step - y_step;

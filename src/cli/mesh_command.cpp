@@ -53,9 +53,12 @@ int make_mesh(const MeshRequest& request, const GlobalOptions& global) {
     if (extension == ".png") {
         write_mesh_picture(image, mesh, request.output);
     } else if (extension == ".svg") {
-        write_mesh_svg(mesh, image.width(), image.height(), request.output);
+        DrawingArea area;
+        area.width = image.width();
+        area.height = image.height();
+        write_mesh_svg(mesh, area, request.output);
     } else {
-        write_mesh(mesh, request.output);
+        write_mesh(mesh, request.output, texture_coordinates(mesh.V, image.width(), image.height()));
     }
     if (!global.quiet) {
         std::fprintf(stderr, "%d vertices, %d triangles\n", static_cast<int>(mesh.V.rows()),

@@ -135,6 +135,10 @@ CLI::Validator not_negative() {
             ""};
 }
 
+CLI::Validator not_empty() {
+    return {[](std::string& text) { return text.empty() ? std::string("it must not be empty") : std::string(); }, ""};
+}
+
 void WeightChoice::add_to(CLI::App& subcommand, const std::string& option) {
     std::string kinds;
     for (const std::string& name : weight_kind_names()) kinds += (kinds.empty() ? "" : ", ") + name;

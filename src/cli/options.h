@@ -34,6 +34,7 @@ double parse_share(const std::string& text, const std::string& option);
 //! Checks of options, with errors a person can read.
 CLI::Validator above_zero();
 CLI::Validator not_negative();
+CLI::Validator not_empty();
 
 //! Which weights a command was asked for.
 struct WeightChoice {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <utility>
 
 #include <sys/resource.h>
 
@@ -39,24 +40,29 @@ void ReportOptions::emit(const Json& report) const {
 
 Json report_json(const RenderReport& report, bool with_canvas) {
     Json json;
-    json["method"] = report.method;
-    json["vertices"] = report.vertices;
-    json["triangles"] = report.triangles;
-    json["handles"] = report.handles;
-    json["iterations"] = report.iterations;
-    json["converged"] = report.converged;
-    json["energy"] = finite(report.energy);
-    json["energy_history"] = Json::array();
-    for (const double energy : report.energy_history) json["energy_history"].push_back(finite(energy));
-    json["flipped_triangles"] = report.distortion.flipped_triangles;
-    json["max_stretch"] = finite(report.distortion.max_stretch);
-    json["max_area_ratio"] = finite(report.distortion.max_area_ratio);
-    json["max_handle_error_px"] = finite(report.max_handle_error_px);
+    const bool deformed = !report.method.empty();
+    // What nothing was deformed for is null.
+    const auto of_deformation = [&](const char* key, Json value) { json[key] = deformed ? std::move(value) : nullptr; };
+    of_deformation("method", report.method);
+    of_deformation("vertices", report.vertices);
+    of_deformation("triangles", report.triangles);
+    of_deformation("handles", report.handles);
+    of_deformation("iterations", report.iterations);
+    of_deformation("converged", report.converged);
+    of_deformation("energy", finite(report.energy));
+    Json history = Json::array();
+    for (const double energy : report.energy_history) history.push_back(finite(energy));
+    of_deformation("energy_history", std::move(history));
+    of_deformation("flipped_triangles", report.distortion.flipped_triangles);
+    of_deformation("max_stretch", finite(report.distortion.max_stretch));
+    of_deformation("max_area_ratio", finite(report.distortion.max_area_ratio));
+    of_deformation("max_handle_error_px", finite(report.max_handle_error_px));
     json["warnings"] = report.warnings;
     json["canvas"] = nullptr;
     if (with_canvas) {
         const Canvas& canvas = report.canvas;
         json["canvas"] = {{"x", canvas.x}, {"y", canvas.y}, {"width", canvas.width}, {"height", canvas.height}};
+        json["scale"] = report.scale;
         json["lost"] = report.lost;
     }
     json["timings_ms"] = Json::object();

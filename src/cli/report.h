@@ -38,7 +38,8 @@ struct GateOptions {
     bool hold(const Distortion& distortion) const;
 };
 
-//! The report of `warp` and `deform`. What only a picture has (`canvas`, `lost`) appears when there is one.
+//! The report of `warp` and `deform`. What only a picture has (`canvas`, `scale`, `lost`) appears when there is
+//! one; of a picture through a displacement map what only a deformation has is null.
 Json report_json(const RenderReport& report, bool with_canvas);
 
 //! What the report warns of, a line each on standard error.

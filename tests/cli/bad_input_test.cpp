@@ -238,7 +238,8 @@ TEST_F(BadInput, OutputsThatWouldDestroyInputsOrEachOther) {
 }
 
 TEST_F(BadInput, EmptyWordsAreNotDefaults) {
-    for (const char* option : {"--method", "--arap-energy", "--background", "--pose", "--canvas", "--interpolation"}) {
+    for (const char* option : {"--method", "--arap-energy", "--background", "--pose", "--canvas", "--interpolation",
+                               "--image", "--displacement", "--displacement-in", "--mesh-out", "--scale"}) {
         const CommandResult result = warp(good, {"--pin", "60,50", option, ""});
         EXPECT_EQ(result.exit_code, 2) << option;
     }

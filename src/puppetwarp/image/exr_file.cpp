@@ -2,78 +2,26 @@
 
 #include <puppetwarp/base/errors.h>
 
+#include <puppetwarp/image/exr_stream.h>
 #include <puppetwarp/image/vips_decode.h>
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfIO.h>
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
 
-#include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <exception>
+#include <string>
 #include <vector>
-
-#include <unistd.h>
 
 namespace puppetwarp {
 
 namespace {
 
 constexpr double mm_an_inch = 25.4;
-
-class ExrInput : public Imf::IStream {
-public:
-    explicit ExrInput(const PictureFile& file) : IStream(file.name().c_str()), file_(file) {}
-
-    bool read(char bytes[], int count) override {
-        for (int done = 0; done < count;) {
-            const ssize_t got = ::pread(file_.descriptor(), bytes + done, static_cast<std::size_t>(count - done),
-                                        static_cast<off_t>(position_));
-            if (got < 0 && errno == EINTR) continue;
-            if (got <= 0) throw InvalidInput(file_.name(), "the file is truncated or damaged");
-            done += static_cast<int>(got);
-            position_ += static_cast<std::uint64_t>(got);
-        }
-        return position_ < file_.size_bytes();
-    }
-    std::uint64_t tellg() override { return position_; }
-    void seekg(std::uint64_t position) override { position_ = position; }
-
-private:
-    const PictureFile& file_;
-    std::uint64_t position_ = 0;
-};
-
-// Keeps the first failure: OpenEXR swallows what is thrown while it closes a file.
-class ExrOutput : public Imf::OStream {
-public:
-    explicit ExrOutput(OutputFile& file) : OStream(file.target().c_str()), file_(file) {}
-
-    void write(const char bytes[], int count) override {
-        try {
-            file_.write({bytes, static_cast<std::size_t>(count)});
-        } catch (...) {
-            if (!failure_) failure_ = std::current_exception();
-            throw;
-        }
-    }
-    std::uint64_t tellp() override { return static_cast<std::uint64_t>(::lseek(file_.descriptor(), 0, SEEK_CUR)); }
-    void seekp(std::uint64_t position) override { ::lseek(file_.descriptor(), static_cast<off_t>(position), SEEK_SET); }
-    void rethrow_failure() const {
-        if (failure_) std::rethrow_exception(failure_);
-    }
-
-private:
-    OutputFile& file_;
-    std::exception_ptr failure_;
-};
 
 // The first part of an EXR file, its header checked.
 class ExrPicture {
@@ -172,20 +120,6 @@ private:
     std::vector<std::string> channels_;
 };
 
-// What OpenEXR throws, as what puppetwarp throws.
-template <typename Work>
-auto reading_exr(const PictureFile& file, const Work& work) {
-    try {
-        return work();
-    } catch (const Error&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw MachineFault(file.name(), "not enough memory to read it");
-    } catch (const std::exception& error) {
-        throw_damaged(file.name(), error.what());
-    }
-}
-
 cv::Mat multiplied_by_alpha(const cv::Mat& pixels) {
     cv::Mat product = pixels.clone();
     const int colours = pixels.channels() - 1;
@@ -239,15 +173,11 @@ void write_exr(const cv::Mat& pixels, const ImageMetadata& metadata, const Write
         frame.insert(names[c], Imf::Slice(Imf::FLOAT, base, stored.elemSize(), stored.step));
     }
     ExrOutput stream(file);
-    try {
+    writing_exr(file, stream, [&] {
         Imf::OutputFile output(stream, header, 0);
         output.setFrameBuffer(frame);
         output.writePixels(pixels.rows);
-    } catch (const std::exception& error) {
-        stream.rethrow_failure();
-        throw MachineFault(file.target().string(), std::string("cannot be written: ") + error.what());
-    }
-    stream.rethrow_failure();
+    });
 }
 
 }  // namespace puppetwarp

@@ -40,14 +40,25 @@ TriangleMesh read_mesh(const fs::path& path) {
     return mesh;
 }
 
-void write_mesh(const TriangleMesh& mesh, const fs::path& path) {
+void write_mesh(const TriangleMesh& mesh, const fs::path& path, const Eigen::MatrixX2d& texture) {
     const std::string extension = extension_of(path);
     if (extension != ".off" && extension != ".obj") refuse_extension(path);
-    write_file(path, extension == ".off" ? off_from_mesh(mesh) : obj_from_mesh(mesh));
+    if (texture.rows() != 0 && texture.rows() != mesh.V.rows()) {
+        throw InvalidInput("texture coordinates", "there are " + std::to_string(texture.rows()) + " for a mesh of " +
+                                                      std::to_string(mesh.V.rows()) + " vertices");
+    }
+    write_file(path, extension == ".off" ? off_from_mesh(mesh) : obj_from_mesh(mesh, texture));
 }
 
-void write_mesh_svg(const TriangleMesh& mesh, int width, int height, const fs::path& path) {
-    write_file(path, svg_from_mesh(mesh, width, height));
+Eigen::MatrixX2d texture_coordinates(const Eigen::MatrixX2d& V, double width, double height) {
+    Eigen::MatrixX2d texture(V.rows(), 2);
+    texture.col(0) = V.col(0) / width;
+    texture.col(1) = 1 - V.col(1).array() / height;
+    return texture;
+}
+
+void write_mesh_svg(const TriangleMesh& mesh, const DrawingArea& area, const fs::path& path) {
+    write_file(path, svg_from_mesh(mesh, area));
 }
 
 }  // namespace puppetwarp

@@ -243,23 +243,29 @@ std::string off_from_mesh(const TriangleMesh& mesh) {
     return text;
 }
 
-std::string obj_from_mesh(const TriangleMesh& mesh) {
+std::string obj_from_mesh(const TriangleMesh& mesh, const Eigen::MatrixX2d& texture) {
     std::string text;
     for (Eigen::Index v = 0; v < mesh.V.rows(); ++v) {
         append(text, {"v", number(mesh.V(v, 0)), number(mesh.V(v, 1)), "0\n"});
     }
+    for (Eigen::Index v = 0; v < texture.rows(); ++v) {
+        append(text, {"vt", number(texture(v, 0)), number(texture(v, 1)) + "\n"});
+    }
+    const auto corner = [&](int vertex) {
+        const std::string index = std::to_string(vertex + 1);
+        return texture.rows() == 0 ? index : index + "/" + index;
+    };
     for (Eigen::Index t = 0; t < mesh.F.rows(); ++t) {
-        append(text, {"f", std::to_string(mesh.F(t, 0) + 1), std::to_string(mesh.F(t, 1) + 1),
-                      std::to_string(mesh.F(t, 2) + 1)});
+        append(text, {"f", corner(mesh.F(t, 0)), corner(mesh.F(t, 1)), corner(mesh.F(t, 2))});
         text += "\n";
     }
     return text;
 }
 
-std::string svg_from_mesh(const TriangleMesh& mesh, int width, int height) {
-    const std::string w = std::to_string(width), h = std::to_string(height);
-    std::string text = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"";
-    append(text, {w + "\" height=\"" + h + "\" viewBox=\"0 0", w, h});
+std::string svg_from_mesh(const TriangleMesh& mesh, const DrawingArea& area) {
+    std::string text = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + number(area.width * area.scale) +
+                       "\" height=\"" + number(area.height * area.scale) + "\" viewBox=\"";
+    append(text, {number(area.x), number(area.y), number(area.width), number(area.height)});
     text += "\">\n<path fill=\"none\" stroke=\"#202020\" stroke-width=\"0.5\" d=\"";
     for (const auto& [a, b] : edges_of(mesh)) {
         text += "M";

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <puppetwarp/mesh/triangle_mesh.h>
+#include <puppetwarp/mesh/mesh_file.h>
 
 #include <string>
 #include <string_view>
@@ -16,9 +16,10 @@ TriangleMesh mesh_from_off(std::string_view text, const std::string& subject);
 TriangleMesh mesh_from_obj(std::string_view text, const std::string& subject);
 
 std::string off_from_mesh(const TriangleMesh& mesh);
-std::string obj_from_mesh(const TriangleMesh& mesh);
+//! \param texture  #V x 2 texture coordinates, or of no rows: none are written.
+std::string obj_from_mesh(const TriangleMesh& mesh, const Eigen::MatrixX2d& texture = {});
 
 //! An SVG drawing of the edges.
-std::string svg_from_mesh(const TriangleMesh& mesh, int width, int height);
+std::string svg_from_mesh(const TriangleMesh& mesh, const DrawingArea& area);
 
 }  // namespace puppetwarp

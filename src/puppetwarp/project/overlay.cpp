@@ -19,9 +19,9 @@ constexpr std::array<double, 3> mesh_colour{0.10, 0.45, 0.95};
 // Coverage of antialiased strokes, 8 bits: drawn once, then blended into pictures of any depth.
 class Strokes {
 public:
-    //! \param picture  that is drawn over: it shows `canvas` at `scale`.
-    Strokes(const Image& picture, const Canvas& canvas, double scale)
-        : canvas_(canvas), scale_(scale), coverage_(cv::Mat::zeros(picture.height(), picture.width(), CV_8UC1)) {}
+    //! \param picture  that is drawn over: its upper left corner shows `origin`, at `scale`.
+    Strokes(const Image& picture, const Point& origin, double scale)
+        : origin_(origin), scale_(scale), coverage_(cv::Mat::zeros(picture.height(), picture.width(), CV_8UC1)) {}
 
     void line(const Point& a, const Point& b, int thickness) {
         cv::Point2l p = fixed(a), q = fixed(b);
@@ -50,16 +50,16 @@ private:
     // OpenCV's pixel (i, j) is centred on (i, j), ours on (i + 0.5, j + 0.5).
     cv::Point2l fixed(const Point& p) const {
         const double limit = 1e12;
-        const auto coordinate = [&](double value, int origin) {
+        const auto coordinate = [&](double value, double origin) {
             return std::llround(std::clamp(((value - origin) * scale_ - 0.5) * (1 << fraction_bits), -limit, limit));
         };
-        return {coordinate(p.x(), canvas_.x), coordinate(p.y(), canvas_.y)};
+        return {coordinate(p.x(), origin_.x()), coordinate(p.y(), origin_.y())};
     }
     static cv::Point narrow(const cv::Point2l& p, std::int64_t margin) {
         return {static_cast<int>(p.x - margin), static_cast<int>(p.y - margin)};
     }
 
-    Canvas canvas_;
+    Point origin_;
     double scale_;
     cv::Mat coverage_;
 };
@@ -133,25 +133,16 @@ struct PosedPoints {
     }
 };
 
-}  // namespace
-
-void draw_mesh(Image& picture, const Eigen::MatrixX2d& positions, const Eigen::MatrixX3i& F, const Canvas& canvas) {
-    std::set<std::pair<int, int>> edges;
-    for (Eigen::Index t = 0; t < F.rows(); ++t) {
-        for (int k = 0; k < 3; ++k) edges.insert(std::minmax({F(t, k), F(t, (k + 1) % 3)}));
-    }
-    Strokes strokes(picture, canvas, 1);
-    const int thickness = static_cast<int>(std::lround(stroke_unit(picture)));
-    for (const auto& [a, b] : edges) strokes.line(positions.row(a), positions.row(b), thickness);
-    blend(picture, strokes, mesh_colour);
+Point corner_of(const Canvas& canvas) {
+    return {canvas.x, canvas.y};
 }
 
-void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas& canvas, double scale,
-                  const HandleStyle& style) {
+void draw_handles_from(const Point& origin, double scale, Image& picture, const Rig& rig, const Pose& pose,
+                       const HandleStyle& style) {
     const double unit = stroke_unit(picture) * style.size;
     const auto thickness = [&](double width) { return std::max(1, static_cast<int>(std::lround(width * unit))); };
     const HandlePose at_rest;
-    Strokes rims(picture, canvas, scale), bodies(picture, canvas, scale);
+    Strokes rims(picture, origin, scale), bodies(picture, origin, scale);
     const std::vector<AffineMap> maps = handle_maps(rig, pose);
     for (std::size_t h = 0; h < rig.handles.size(); ++h) {
         const Handle& handle = rig.handles[h];
@@ -169,6 +160,34 @@ void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas
     }
     blend(picture, rims, style.rim);
     blend(picture, bodies, style.body);
+}
+
+}  // namespace
+
+void draw_mesh(Image& picture, const Eigen::MatrixX2d& positions, const Eigen::MatrixX3i& F, const Canvas& canvas) {
+    std::set<std::pair<int, int>> edges;
+    for (Eigen::Index t = 0; t < F.rows(); ++t) {
+        for (int k = 0; k < 3; ++k) edges.insert(std::minmax({F(t, k), F(t, (k + 1) % 3)}));
+    }
+    Strokes strokes(picture, corner_of(canvas), 1);
+    const int thickness = static_cast<int>(std::lround(stroke_unit(picture)));
+    for (const auto& [a, b] : edges) strokes.line(positions.row(a), positions.row(b), thickness);
+    blend(picture, strokes, mesh_colour);
+}
+
+void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas& canvas, double scale,
+                  const HandleStyle& style) {
+    draw_handles_from(corner_of(canvas), scale, picture, rig, pose, style);
+}
+
+void draw_mesh(Rendered& rendered) {
+    draw_mesh(rendered.image, rendered.moved.array().rowwise() * (rendered.resolution * rendered.scale).array(),
+              rendered.mesh.F, rendered.report.canvas);
+}
+
+void draw_handles(Rendered& rendered, const Pose& pose) {
+    const double scale = rendered.report.scale;
+    draw_handles_from(corner_of(rendered.report.canvas) / scale, scale, rendered.image, rendered.rig, pose, {});
 }
 
 }  // namespace puppetwarp

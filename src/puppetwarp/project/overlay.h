@@ -2,6 +2,7 @@
 
 #include <puppetwarp/base/image.h>
 #include <puppetwarp/mesh/triangle_mesh.h>
+#include <puppetwarp/project/pipeline.h>
 #include <puppetwarp/rig/rig.h>
 #include <puppetwarp/warp/warp.h>
 
@@ -25,5 +26,9 @@ struct HandleStyle {
 //! \param scale  pixels of the picture for one of image space, above 0; the picture's upper left corner is the canvas'.
 void draw_handles(Image& picture, const Rig& rig, const Pose& pose, const Canvas& canvas, double scale = 1,
                   const HandleStyle& style = {});
+
+//! Draws over a picture of `render`: its mesh, or its handles as the pose puts them.
+void draw_mesh(Rendered& rendered);
+void draw_handles(Rendered& rendered, const Pose& pose);
 
 }  // namespace puppetwarp

@@ -1,8 +1,9 @@
 #include <puppetwarp/project/pipeline.h>
 
 #include <puppetwarp/base/errors.h>
-#include <puppetwarp/image/write.h>
 #include <puppetwarp/mesh/triangulate.h>
+#include <puppetwarp/project/result_picture.h>
+#include <puppetwarp/project/source_picture.h>
 #include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/project/weights_cache.h>
@@ -11,8 +12,8 @@
 #include <puppetwarp/warp/background.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <optional>
 
 namespace puppetwarp {
 
@@ -20,16 +21,6 @@ namespace {
 
 // Fewer pixels than a cubic filter has taps hold nothing that could be bent.
 constexpr int smallest_side_px = 4;
-
-// Measures stages one after the other into a report.
-CutoutSource source_from_name(const std::string& name) {
-    if (name == "auto") return CutoutSource::automatic;
-    if (name == "alpha") return CutoutSource::alpha;
-    if (name == "mask") return CutoutSource::mask;
-    if (name == "polygon") return CutoutSource::polygon;
-    if (name == "whole") return CutoutSource::whole;
-    throw InvalidInput("cutout '" + name + "'", "is unknown", "use auto, alpha, mask, polygon or whole");
-}
 
 TriangulationOptions triangulation_options(const Puppet& puppet, const Outline& outline) {
     TriangulationOptions options;
@@ -63,23 +54,40 @@ std::vector<Polyline> mesh_constraints(const Rig& rig, bool points) {
     return constraints;
 }
 
-Canvas choose_canvas(const CanvasChoice& choice, const Image& image, const Eigen::MatrixX2d& moved) {
-    switch (choice.kind) {
-        case CanvasChoice::Kind::keep: return {0, 0, image.width(), image.height()};
-        case CanvasChoice::Kind::grow: return grown_canvas(image.width(), image.height(), moved);
-        case CanvasChoice::Kind::given: break;
-    }
-    return choice.canvas;
+// \param moved  in pixels of the result.
+Canvas choose_canvas(const CanvasChoice& choice, int width, int height, const Eigen::MatrixX2d& moved, double scale) {
+    if (choice.kind == CanvasChoice::Kind::given) return scaled_canvas(choice.canvas, scale, scale);
+    const Canvas own = scaled_canvas({0, 0, width, height}, scale, scale);
+    return choice.kind == CanvasChoice::Kind::keep ? own : grown_canvas(own.width, own.height, moved);
 }
 
-void require_size(const Canvas& canvas, std::int64_t max_pixels) {
-    const std::int64_t pixels = std::int64_t{canvas.width} * canvas.height;
-    if (pixels > max_pixels) {
-        throw InvalidInput("canvas",
-                           "would have " + std::to_string(canvas.width) + " x " + std::to_string(canvas.height) +
-                               " pixels, more than " + std::to_string(max_pixels),
-                           "raise --max-pixels or choose a smaller --canvas");
-    }
+// The choice in pixels of a picture of another resolution.
+CanvasChoice at_resolution(const CanvasChoice& choice, const Eigen::RowVector2d& resolution) {
+    if (choice.kind != CanvasChoice::Kind::given) return choice;
+    return {choice.kind, scaled_canvas(choice.canvas, resolution.x(), resolution.y())};
+}
+
+// What headers tell, before any work: sizes, and whether the canvas is possible as far as no moved position decides.
+// Nothing is read, and no size told, where there is nothing to learn.
+std::optional<SourceSize> size_before_work(const Puppet& puppet, const RenderOptions& options) {
+    require_scale(options.scale);
+    const bool given = options.canvas.kind == CanvasChoice::Kind::given;
+    std::optional<SourceSize> size;
+    if (!options.image.empty() || (options.scale != 1 && !given))
+        size = source_size(puppet, options.image, options.read);
+    if (!size && !given) return size;
+    // A grown canvas holds the picture's own.
+    const CanvasChoice least = !given ? CanvasChoice{}
+                               : size ? at_resolution(options.canvas, size->resolution())
+                                      : options.canvas;
+    require_result_size(choose_canvas(least, size ? size->width : 0, size ? size->height : 0, {}, options.scale),
+                        options.read.max_pixels);
+    return size;
+}
+
+// Positions in pixels of a picture of another resolution.
+Eigen::MatrixX2d at(const Eigen::RowVector2d& resolution, const Eigen::MatrixX2d& V) {
+    return V.array().rowwise() * resolution.array();
 }
 
 // Positions of the puppet's mesh in a pose, and what the report says of them.
@@ -139,7 +147,10 @@ void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& 
 
 Image load_image(const Puppet& puppet, const ReadOptions& options) {
     if (puppet.image.empty()) throw InvalidInput("puppet", "names no picture", "add the field `image`");
-    const std::filesystem::path path = resolve(puppet, puppet.image);
+    return load_image(resolve(puppet, puppet.image), options);
+}
+
+Image load_image(const std::filesystem::path& path, const ReadOptions& options) {
     Image image = read_image(path, options);
     if (std::min(image.width(), image.height()) < smallest_side_px) {
         throw InvalidInput(path.string(),
@@ -151,12 +162,7 @@ Image load_image(const Puppet& puppet, const ReadOptions& options) {
 }
 
 Cutout cut_out_subject(const Puppet& puppet, const Image& image, const ReadOptions& read) {
-    CutoutOptions options;
-    options.from = source_from_name(puppet.cutout.from);
-    options.points = puppet.cutout.points;
-    options.holes = puppet.cutout.holes;
-    if (options.from == CutoutSource::mask) options.mask = read_image(resolve(puppet, puppet.cutout.path), read);
-    return cut_out(image, options);
+    return cut_out(image, cutout_options(puppet, read));
 }
 
 Outline outline_subject(const Puppet& puppet, int width, int height, const Cutout& cutout) {
@@ -180,21 +186,14 @@ TriangleMesh mesh_for_weights(const Puppet& puppet, const Outline& outline) {
 Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
                    const Eigen::MatrixX2d& moved, const RenderOptions& options, RenderReport& report,
                    Progress& progress) {
-    report.canvas = choose_canvas(options.canvas, image, moved);
-    require_size(report.canvas, options.read.max_pixels);
+    const Eigen::MatrixX2d shown = moved * options.scale;
+    report.scale = options.scale;
+    report.canvas = choose_canvas(options.canvas, image.width(), image.height(), shown, options.scale);
+    require_result_size(report.canvas, options.read.max_pixels);
     const Image warped =
-        warp(apply_cutout(image, cutout), mesh, moved, {options.interpolation, report.canvas}, progress);
-    Background background = background_from_name(puppet.background.value_or("transparent"));
-    Image result = lay_over(background, warped, image, report.canvas);
-    if (options.format.empty()) return result;
-
-    report.lost = lost_in_format(result, options.format);
-    if (result.has_alpha() && !format_holds_alpha(options.format)) {
-        background.kind = cutout.whole ? Background::Kind::keep : Background::Kind::colour;
-        background.rgba = {1, 1, 1, 1};
-        result = lay_over(background, warped, image, report.canvas);
-    }
-    return result;
+        warp(apply_cutout(image, cutout), mesh, shown, {options.interpolation, report.canvas}, progress);
+    const Background background = background_from_name(puppet.background.value_or("transparent"));
+    return finished_picture(warped, image, cutout.whole, background, options, report, progress);
 }
 
 Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& options, Progress& progress) {
@@ -205,16 +204,31 @@ Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& opt
     RenderReport& report = rendered.report;
     StageTimer timer(report.timings_ms);
     progress.step("read", 0);
-    const Image image = load_image(puppet, options.read);
+    const std::optional<SourceSize> told = size_before_work(puppet, options);
+    const Image image =
+        options.image.empty() ? load_image(puppet, options.read) : load_image(options.image, options.read);
+    const SourceSize size = told.value_or(SourceSize{image.width(), image.height(), image.width(), image.height()});
     timer.end("read");
-    const Cutout cutout = cut_out_subject(puppet, image, options.read);
-    Solved solved = solve(puppet, pose, image.width(), image.height(), cutout, options, report, progress);
+    const Cutout cutout = cut_out_at(size, puppet, image, options.read);
+    Solved solved =
+        solve(puppet, pose, size.rig_width, size.rig_height, cutout_for_rig(cutout, size), options, report, progress);
     StageTimer warp_timer(report.timings_ms);
-    rendered.image = draw_subject(puppet, image, cutout, solved.mesh, solved.moved, options, report, progress);
+    const Eigen::RowVector2d resolution = size.resolution();
+    RenderOptions drawing = options;
+    drawing.canvas = at_resolution(options.canvas, resolution);
+    rendered.image = draw_subject(puppet, image, cutout, {at(resolution, solved.mesh.V), solved.mesh.F},
+                                  at(resolution, solved.moved), drawing, report, progress);
+    report.scale *= resolution.x();
+    if (options.keep_source) {
+        rendered.source = apply_cutout(image, cutout);
+        if (rendered.source.pixels.data != image.pixels.data) rendered.matte = cutout.matte;
+    }
     warp_timer.end("warp");
     rendered.mesh = std::move(solved.mesh);
     rendered.moved = std::move(solved.moved);
     rendered.rig = std::move(solved.rig);
+    rendered.resolution = resolution;
+    rendered.scale = options.scale;
     return rendered;
 }
 

@@ -24,6 +24,9 @@ namespace puppetwarp {
 //! The puppet's picture. \throw InvalidInput  none named, `read_image`, fewer than 4 pixels wide or high.
 Image load_image(const Puppet& puppet, const ReadOptions& options = {});
 
+//! A picture to be warped, from a file. \throw InvalidInput  as above.
+Image load_image(const std::filesystem::path& path, const ReadOptions& options = {});
+
 //! Which pixels of `image` are the subject, reading the mask when there is one. \throw InvalidInput  `cut_out`.
 Cutout cut_out_subject(const Puppet& puppet, const Image& image, const ReadOptions& options = {});
 
@@ -39,23 +42,34 @@ TriangleMesh mesh_for_weights(const Puppet& puppet, const Outline& outline);
 
 //! Which part of image space the result shows.
 struct CanvasChoice {
-    enum class Kind { keep, grow, given } kind = Kind::keep;
-    Canvas canvas;  //!< for `given`
+    enum class Kind {
+        keep,  //!< the picture's own
+        grow,  //!< that and all that was moved
+        given,
+        of_map  //!< all that a displacement map holds; only with one
+    } kind = Kind::keep;
+    Canvas canvas;  //!< for `given`: in image space, before any scale
 };
 
 struct RenderOptions {
     ReadOptions read;
+    //! Drawn instead of the puppet's own picture, or empty. It may have another resolution: image space, in which all
+    //! coordinates are, stays that of the puppet's own, whose header tells its size.
+    std::filesystem::path image;
+    double scale = 1;  //!< pixels of the result along each axis for one of the picture that is drawn, above 0
     Interpolation interpolation = Interpolation::bicubic;
     CanvasChoice canvas;
     int automatic_cage = 0;               //!< corners of a cage that is put around the subject; 0: none
     double pin_snap_px = 0;               //!< points at most this far outside the subject are moved onto it
     std::filesystem::path weights_cache;  //!< `weights_cache_path` of the puppet's file, or empty: weights are not kept
     std::string format;  //!< the file format the result is meant for (`output_format`), or empty: none in particular
+    bool keep_source = false;  //!< fill `Rendered::source` and `matte`
 };
 
 //! What a run did, for reports.
 struct RenderReport {
-    std::string method;
+    std::string
+        method;  //!< empty: nothing was deformed, and only canvas, scale, lost, warnings and timings say anything
     int vertices = 0;
     int triangles = 0;
     int handles = 0;
@@ -65,7 +79,8 @@ struct RenderReport {
     std::vector<double> energy_history;
     Distortion distortion;
     double max_handle_error_px = 0;
-    Canvas canvas;
+    Canvas canvas;                                           //!< pixels of the result
+    double scale = 1;                                        //!< pixels of the result for one of image space
     std::vector<std::string> warnings;                       //!< the method's, one sentence each
     std::vector<std::string> lost;                           //!< what `format` cannot hold, as phrases
     std::vector<std::pair<std::string, double>> timings_ms;  //!< stages in their order
@@ -83,8 +98,12 @@ void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& 
 
 struct Rendered {
     Image image;
-    TriangleMesh mesh;
-    Eigen::MatrixX2d moved;  //!< #V x 2
+    Image source;                         //!< what the mesh was filled from, with `keep_source`: the cut-out picture
+    cv::Mat matte;                        //!< of a cutout that is not the picture's own alpha, with `keep_source`
+    TriangleMesh mesh;                    //!< in image space
+    Eigen::MatrixX2d moved;               //!< #V x 2, in image space
+    Eigen::RowVector2d resolution{1, 1};  //!< pixels of `source` for one of image space, along x and y
+    double scale = 1;                     //!< pixels of `image` for one of `source`
     //! As it took hold: points that were snapped onto the subject lie there, and an automatic cage comes last.
     Rig rig;
     RenderReport report;
@@ -94,8 +113,17 @@ struct Rendered {
 //! \throw InvalidInput  no handles at all, and as each stage.   \throw Cancelled
 Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& options, Progress& progress);
 
+//! A picture drawn through a displacement map from a file (`read_displacement`, `warp_through`) instead of a mesh: at
+//! the map's resolution, or where the map knows its source's size, as many times that as the picture is larger; times
+//! `options.scale`. Of the options those of the puppet are passed over; a given canvas counts pixels of the picture.
+//! \param background  as a puppet file has it.
+//! \return  without mesh and rig, the report without method.
+//! \throw InvalidInput  as those functions; a map made for a picture of another shape; a canvas over the limit.
+Rendered render_through(const std::filesystem::path& picture, const std::filesystem::path& map,
+                        const std::string& background, const RenderOptions& options, Progress& progress);
+
 //! The last arrows alone, for positions that are known already: warp, then background, then what `options.format` asks
-//! for. Fills `canvas` and `lost` of the report.
+//! for. Fills `canvas`, `scale` and `lost` of the report. Mesh, positions and a given canvas are in pixels of `image`.
 Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
                    const Eigen::MatrixX2d& moved, const RenderOptions& options, RenderReport& report,
                    Progress& progress);

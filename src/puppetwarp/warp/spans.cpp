@@ -51,11 +51,11 @@ private:
     std::vector<std::uint64_t> words_;
 };
 
+}  // namespace
+
 std::int64_t snapped(double coordinate, int origin) {
     return static_cast<std::int64_t>(std::floor((coordinate - origin) * static_cast<double>(subpixel_one) + 0.5));
 }
-
-}  // namespace
 
 SnappedMesh::SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Canvas& canvas)
     : faces_(rest.F), canvas_(canvas) {

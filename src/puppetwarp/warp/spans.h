@@ -25,6 +25,9 @@ inline constexpr int subpixel_bits = 16;
 inline constexpr std::int64_t subpixel_one = std::int64_t{1} << subpixel_bits;
 inline constexpr std::int64_t subpixel_half = subpixel_one / 2;
 
+//! A coordinate on the sub-pixel grid, relative to `origin`.
+std::int64_t snapped(double coordinate, int origin);
+
 //! First pixel whose centre is not left of (not above) a snapped coordinate.
 inline std::int64_t first_centre(std::int64_t coordinate) {
     return (coordinate + subpixel_half - 1) >> subpixel_bits;

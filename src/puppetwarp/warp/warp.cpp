@@ -3,6 +3,7 @@
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/threads.h>
 #include <puppetwarp/warp/paint.h>
+#include <puppetwarp/warp/warp_input.h>
 
 #include <opencv2/core.hpp>
 
@@ -11,10 +12,6 @@
 #include <cmath>
 #include <utility>
 
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
-
 namespace puppetwarp {
 
 namespace {
@@ -22,80 +19,12 @@ namespace {
 constexpr std::array<std::pair<std::string_view, Interpolation>, 3> interpolations{
     {{"nearest", Interpolation::nearest}, {"bilinear", Interpolation::bilinear}, {"bicubic", Interpolation::bicubic}}};
 
-// Far beyond any picture, and small enough for exact arithmetic with room to spare.
-constexpr double farthest_moved_px = 1 << 30;
-constexpr double farthest_rest_px = 1 << 28;
-
 constexpr int band_rows = 64;  // higher bands set triangles up less often, lower ones share out better among threads
 constexpr int pixels_between_reports = 1 << 21;
 
 [[maybe_unused]] bool is_picture(const cv::Mat& pixels) {
     const int depth = pixels.depth();
     return !pixels.empty() && pixels.channels() <= 4 && (depth == CV_8U || depth == CV_16U || depth == CV_32F);
-}
-
-void require_warpable(const TriangleMesh& rest, const Eigen::MatrixX2d& moved) {
-    if (moved.rows() != rest.V.rows()) {
-        throw InvalidInput("moved positions", "there are " + std::to_string(moved.rows()) + " for a mesh of " +
-                                                  std::to_string(rest.V.rows()) + " vertices");
-    }
-    if (!moved.allFinite()) throw InvalidInput("moved positions", "not all are finite numbers");
-    if (!rest.V.allFinite()) throw InvalidInput("mesh", "not all positions are finite numbers");
-    if (rest.F.size() > 0 && (rest.F.minCoeff() < 0 || rest.F.maxCoeff() >= rest.V.rows())) {
-        throw InvalidInput("mesh", "a triangle names a vertex that is not there");
-    }
-}
-
-bool whole_number_fits(double value) {
-    return std::abs(value) <= farthest_moved_px;
-}
-
-void require_possible(std::int64_t width, std::int64_t height) {
-    if (width <= 0 || height <= 0) {
-        throw InvalidInput("canvas", "its size is " + std::to_string(width) + " x " + std::to_string(height),
-                           "both sides must be at least 1");
-    }
-    if (width * height > std::int64_t{2147483647}) {
-        throw InvalidInput("canvas", std::to_string(width) + " x " + std::to_string(height) + " pixels are too many",
-                           "choose a smaller canvas");
-    }
-}
-
-Canvas canvas_of(const Canvas& asked, const Image& image) {
-    const bool none = asked.width == 0 && asked.height == 0;
-    const Canvas canvas = none ? Canvas{0, 0, image.width(), image.height()} : asked;
-    require_possible(canvas.width, canvas.height);
-    if (!whole_number_fits(canvas.x) || !whole_number_fits(canvas.y)) {
-        throw InvalidInput("canvas", "it lies more than 2^30 pixels away", "choose a canvas near the picture");
-    }
-    return canvas;
-}
-
-// Touching fresh memory page by page costs a third of a warp's time; in huge pages a twentieth.
-void ask_for_huge_pages([[maybe_unused]] cv::Mat& pixels) {
-#if defined(__linux__)
-    constexpr std::uintptr_t page = 4096;
-    const auto begin = reinterpret_cast<std::uintptr_t>(pixels.datastart) / page * page;
-    const auto end = reinterpret_cast<std::uintptr_t>(pixels.dataend) / page * page;
-    if (end > begin) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);  // a hint: may fail
-#endif
-}
-
-cv::Mat allocated(const Canvas& canvas, int type) {
-    try {
-        cv::Mat pixels(canvas.height, canvas.width, type);
-        ask_for_huge_pages(pixels);
-        return pixels;
-    } catch (const cv::Exception&) {
-        throw MachineFault("canvas",
-                           "there is not enough memory for " + std::to_string(canvas.width) + " x " +
-                               std::to_string(canvas.height) + " pixels",
-                           "choose a smaller canvas");
-    }
-}
-
-TriangleMesh within_reach(const TriangleMesh& rest) {
-    return {rest.V.cwiseMax(-farthest_rest_px).cwiseMin(farthest_rest_px), rest.F};
 }
 
 void paint_all(const detail::Painter& painter, const Canvas& canvas, Progress& progress) {
@@ -135,19 +64,17 @@ Interpolation interpolation_from_name(std::string_view name) {
 Image detail::warp_with(Simd simd, const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved,
                         const WarpOptions& options, Progress& progress) {
     assert(is_picture(image.pixels));
-    require_warpable(rest, moved);
+    const WarpInput input = checked_input(rest, moved, options.canvas, image.width(), image.height());
     WarpOptions chosen = options;
-    chosen.canvas = canvas_of(options.canvas, image);
+    chosen.canvas = input.canvas;
     progress.step("warp", 0);
 
-    const TriangleMesh near_rest = within_reach(rest);
-    const Eigen::MatrixX2d near_moved = moved.cwiseMax(-farthest_moved_px).cwiseMin(farthest_moved_px);
-    const SnappedMesh spans(near_rest, near_moved, chosen.canvas);
+    const SnappedMesh spans(input.rest, input.moved, chosen.canvas);
     PixelFormat format{image.pixels.depth(), image.pixels.channels(), false};
     format.adds_alpha = !image.has_alpha() && !spans.covers_canvas();
 
-    Image result{allocated(chosen.canvas, CV_MAKETYPE(format.depth, format.out_channels())), image.metadata};
-    const Painter painter(image.pixels, format, near_rest, near_moved, spans, chosen, simd, result.pixels);
+    Image result{allocate_canvas(chosen.canvas, CV_MAKETYPE(format.depth, format.out_channels())), image.metadata};
+    const Painter painter(image.pixels, format, input.rest, input.moved, spans, chosen, simd, result.pixels);
     paint_all(painter, chosen.canvas, progress);
     return result;
 }
@@ -171,15 +98,31 @@ Canvas grown_canvas(int width, int height, const Eigen::MatrixX2d& moved) {
         high = high.max(moved.colwise().maxCoeff().transpose().array() - detail::translation_tolerance_px).ceil();
     }
     for (int axis = 0; axis < 2; ++axis) {
-        if (!whole_number_fits(low[axis]) || !whole_number_fits(high[axis])) {
+        if (!detail::is_within_reach(low[axis]) || !detail::is_within_reach(high[axis])) {
             throw InvalidInput("canvas", "the moved positions reach too far",
                                "move the handles less, or give a canvas");
         }
     }
     const Eigen::Array2d size = high - low;
-    require_possible(static_cast<std::int64_t>(size.x()), static_cast<std::int64_t>(size.y()));
+    detail::require_possible(static_cast<std::int64_t>(size.x()), static_cast<std::int64_t>(size.y()));
     return {static_cast<int>(low.x()), static_cast<int>(low.y()), static_cast<int>(size.x()),
             static_cast<int>(size.y())};
+}
+
+Canvas scaled_canvas(const Canvas& canvas, double x_scale, double y_scale) {
+    // An edge is snapped as the triangles' corners are, so that a mesh up to the canvas' edge covers all of it.
+    const auto first_pixel = [](double edge) {
+        if (!detail::is_within_reach(edge)) {
+            throw InvalidInput("canvas", "it reaches more than 2^30 pixels away at this scale",
+                               "choose a smaller scale or canvas");
+        }
+        return detail::first_centre(detail::snapped(edge, 0));
+    };
+    const std::int64_t left = first_pixel(canvas.x * x_scale), top = first_pixel(canvas.y * y_scale);
+    const std::int64_t width = first_pixel((static_cast<double>(canvas.x) + canvas.width) * x_scale) - left;
+    const std::int64_t height = first_pixel((static_cast<double>(canvas.y) + canvas.height) * y_scale) - top;
+    detail::require_possible(width, height);
+    return {static_cast<int>(left), static_cast<int>(top), static_cast<int>(width), static_cast<int>(height)};
 }
 
 }  // namespace puppetwarp

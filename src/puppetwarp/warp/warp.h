@@ -52,4 +52,9 @@ Image warp(const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d&
 //! \throw InvalidInput  positions that are not finite, or that ask for more than `warp` can do.
 Canvas grown_canvas(int width, int height, const Eigen::MatrixX2d& moved);
 
+//! The pixels of a plane magnified by `x_scale` and `y_scale` whose centres lie in `canvas`: what a picture of the
+//! canvas has at that scale. At scale 1 the canvas itself.
+//! \throw InvalidInput  there are none, or more than `warp` can do.
+Canvas scaled_canvas(const Canvas& canvas, double x_scale, double y_scale);
+
 }  // namespace puppetwarp

@@ -3,16 +3,15 @@
 #include <puppetwarp/image/read.h>
 #include <puppetwarp/image/write.h>
 
+#include "support/full_disk.h"
 #include "test_pictures.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <csignal>
 #include <thread>
 
 #include <fcntl.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -26,29 +25,9 @@ using test::same;
 using test::store;
 using test::TemporaryFolder;
 using testing::HasSubstr;
+using tests::FullDisk;
 
 constexpr const char* all_names[] = {"a.png", "a.jpg", "a.tif", "a.webp", "a.exr", "a.ppm", "a.pgm", "a.pfm"};
-
-// A disk with so much room left: no file may grow beyond it while this lives.
-class FullDisk {
-public:
-    explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-        ::getrlimit(RLIMIT_FSIZE, &old_);
-        rlimit tight = old_;
-        tight.rlim_cur = bytes;
-        ::setrlimit(RLIMIT_FSIZE, &tight);
-    }
-    ~FullDisk() {
-        ::setrlimit(RLIMIT_FSIZE, &old_);
-        std::signal(SIGXFSZ, handler_);
-    }
-    FullDisk(const FullDisk&) = delete;
-    FullDisk& operator=(const FullDisk&) = delete;
-
-private:
-    rlimit old_{};
-    void (*handler_)(int);
-};
 
 TEST(Output, AFullDiskIsAFaultOfTheMachineAndTheOldFileStaysWhole) {
     const TemporaryFolder folder;

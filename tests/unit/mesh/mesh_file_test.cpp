@@ -96,7 +96,7 @@ TEST_F(MeshFile, RefusesToWriteWhereItCannot) {
 }
 
 TEST_F(MeshFile, DrawsEachEdgeOnceInSvg) {
-    write_mesh_svg(two_triangles(), 40, 30, folder_ / "mesh.svg");
+    write_mesh_svg(two_triangles(), {0, 0, 40, 30}, folder_ / "mesh.svg");
     std::stringstream text;
     text << std::ifstream(folder_ / "mesh.svg").rdbuf();
     EXPECT_THAT(text.str(), testing::HasSubstr("viewBox=\"0 0 40 30\""));

@@ -133,7 +133,7 @@ private:
     const std::string& id() const { return rig_.handles[handle_].id; }
 
     MeshLocation located(const Point& at) const {
-        const MeshLocation place = locator_.locate(at);
+        MeshLocation place = locator_.locate(at);
         if (place.distance_px > on_border * size_) throw_outside(id(), place.distance_px);
         return place;
     }

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace puppetwarp {
 namespace {
 
@@ -132,6 +134,17 @@ TEST(WeightConditions, RefusesWhatCannotBe) {
               "handle 'a': it holds no vertex of the mesh that it does not share (move it away from the others, or "
               "make the mesh finer)");
     EXPECT_EQ(refusal({{"v", VertexHandle{231}}}), "handle 'v': index 231 is not a vertex: the mesh has 231");
+}
+
+TEST(Weights, HoldNoMinusZero) {
+    WeightOptions options;
+    options.partition = Partition::normalised;
+    const Rig rig{{point("a", {10, 50}), point("b", {60, 50}), point("c", {140, 20}), bone("d", {170, 20}, {170, 80})},
+                  {}};
+    Progress progress;
+    const Weights weights = compute_weights(board(), rig, options, progress);
+    EXPECT_GT((weights.W.array() == 0).count(), 100);
+    EXPECT_FALSE(weights.W.unaryExpr([](double w) { return std::signbit(w) ? 1.0 : 0.0; }).any());
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/rig/add_cage.h>
+#include <puppetwarp/rig/snap.h>
 
 #include <cstdio>
 #include <memory>
@@ -29,6 +30,7 @@ struct DeformRequest {
     std::optional<double> tolerance;
     WeightChoice weights;
     HandleChoice handles;
+    double pin_snap_px = 0;
     std::string output;
     GateOptions gates;
     bool force = false;
@@ -81,6 +83,7 @@ int deform_mesh(const DeformRequest& request, const GlobalOptions& global) {
         request.force);
     const TriangleMesh mesh = read_mesh(request.mesh);
     Rig rig = load_rig_for_mesh(puppet);
+    if (request.pin_snap_px > 0) rig = snapped(rig, mesh, request.pin_snap_px);
     if (request.handles.automatic_cage > 0) add_automatic_cage(rig, mesh, request.handles.automatic_cage);
     if (rig.handles.empty()) throw InvalidInput(request.rig, "has no handles", "add at least one");
     const Pose pose = request.pose ? find_pose(puppet, *request.pose) : default_pose(puppet);
@@ -92,7 +95,7 @@ int deform_mesh(const DeformRequest& request, const GlobalOptions& global) {
     timer.end("bind");
     Deformation deformation = deformer->deform(pose, nullptr, progress);
     timer.end("deform");
-    describe(options, mesh, rig, deformation, report);
+    describe(options, mesh, rig, pose, deformation, report);
     write_positions(mesh, deformation.V, request.output);
     request.handles.save(puppet, rig);
     timer.end("write");
@@ -131,6 +134,9 @@ void add_deform_command(CLI::App& app, const GlobalOptions& global, int& exit_co
         ->check(above_zero());
     request->weights.add_to(*deform, "--weights");
     request->handles.add_to(*deform);
+    deform->add_option("--pin-snap", request->pin_snap_px, "Move pins at most PX pixels outside the subject onto it")
+        ->type_name("PX")
+        ->check(not_negative());
     request->gates.add_to(*deform);
     deform->add_flag("--force", request->force, "Let the output replace the input");
     request->report.add_to(*deform);

@@ -398,6 +398,17 @@ TEST_F(BadMesh, SliversGiveNumbersOrAnError) {
     }
 }
 
+TEST_F(BadMesh, PinsOutsideAreMovedOntoTheMeshWhereAsked) {
+    const std::string mesh = "OFF\n3 1 0\n0 0 0\n10 0 0\n0 10 0\n3 0 1 2\n";
+    expect_refused(deform(mesh, point("a", "-3, 5"), "", "arap"), "--pin-snap");
+    const auto snapped = [&](const std::string& most) {
+        return puppetwarp_command(
+            {"deform", folder / "m.off", "--rig", folder / "rig.json", "-o", folder / "moved.csv", "--pin-snap", most});
+    };
+    expect_refused(snapped("2"), "--pin-snap");
+    EXPECT_EQ(snapped("4").exit_code, 0);
+}
+
 TEST_F(BadMesh, HandlesThatSayLittleOrTooMuch) {
     const std::string mesh = grid(8);
     EXPECT_TRUE(deforms_or_refuses(mesh, point("a", "40, 40"), R"("a": {"to": [45, 45], "rotate_deg": 30})"));

@@ -66,7 +66,7 @@ MethodResult result_of(const LabelledMethod& method, const MethodSheet& sheet, c
         timer.end("bind");
         Deformation deformation = deformer->deform(pose, nullptr, progress);
         timer.end("deform");
-        describe(method.options, sheet.mesh, sheet.rig, deformation, result.report);
+        describe(method.options, sheet.mesh, sheet.rig, pose, deformation, result.report);
         result.moved = std::move(deformation.V);
     } catch (const InvalidInput& error) {
         result.error = error.what();

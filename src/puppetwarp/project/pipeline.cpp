@@ -8,6 +8,7 @@
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/project/weights_cache.h>
 #include <puppetwarp/rig/add_cage.h>
+#include <puppetwarp/rig/inverse_kinematics.h>
 #include <puppetwarp/rig/snap.h>
 #include <puppetwarp/warp/background.h>
 
@@ -113,7 +114,7 @@ Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, cons
     Deformation deformation = deformer->deform(pose, nullptr, progress);
     timer.end("deform");
 
-    describe(puppet.method, solved.mesh, solved.rig, deformation, report);
+    describe(puppet.method, solved.mesh, solved.rig, pose, deformation, report);
     solved.moved = std::move(deformation.V);
     return solved;
 }
@@ -126,8 +127,8 @@ std::unique_ptr<Deformer> bound_deformer(const MethodOptions& method, const Tria
     return make_deformer(method, mesh, rig, cached_weights(mesh, rig, method.weights, weights_cache, progress));
 }
 
-void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& rig, const Deformation& deformation,
-              RenderReport& report) {
+void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& rig, const Pose& pose,
+              const Deformation& deformation, RenderReport& report) {
     if (!deformation.V.allFinite()) {
         throw InvalidInput("mesh", "its triangles are too thin or too different in size to compute with",
                            "use a mesh with better triangles");
@@ -141,6 +142,7 @@ void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& 
     report.energy = deformation.energy;
     report.energy_history = deformation.energy_history;
     report.warnings = deformation.warnings;
+    for (std::string& missed : reach_warnings(rig, pose)) report.warnings.push_back(std::move(missed));
     report.max_handle_error_px = deformation.max_handle_error_px;
     report.distortion = measure_distortion(mesh, deformation.V);
 }

@@ -91,10 +91,10 @@ struct RenderReport {
 std::unique_ptr<Deformer> bound_deformer(const MethodOptions& method, const TriangleMesh& mesh, const Rig& rig,
                                          const std::filesystem::path& weights_cache, Progress& progress);
 
-//! Fills in what a report says of a deformation: method, sizes, convergence, distortion.
+//! Fills in what a report says of a deformation: method, sizes, convergence, distortion, targets not reached.
 //! \throw InvalidInput  a position is not finite: the mesh is too bad to compute with.
-void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& rig, const Deformation& deformation,
-              RenderReport& report);
+void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& rig, const Pose& pose,
+              const Deformation& deformation, RenderReport& report);
 
 struct Rendered {
     Image image;

@@ -4,10 +4,14 @@
 #include <puppetwarp/rig/bones.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
+#include <cstdio>
 #include <numbers>
 #include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace puppetwarp {
@@ -231,7 +235,23 @@ Reached reach(const Rig& rig, const Pose& pose, const std::string& bone, const P
     return result;
 }
 
-Pose with_reaches(const Rig& rig, const Pose& pose) {
+namespace {
+
+// Nobody sees an end that stays this share of its bone's length away.
+constexpr double missed_share = 1e-3;
+
+bool is_missed(const Reached& reached, const BoneHandle& bone) {
+    return reached.distance_px > missed_share * (bone.to - bone.from).norm();
+}
+
+std::string stays_away(double distance_px) {
+    std::array<char, 96> text{};
+    std::snprintf(text.data(), text.size(), " cannot come to its target and stays %.3g px away", distance_px);
+    return text.data();
+}
+
+// \param missed  takes what is to be said of targets that are too far or too near; or null.
+Pose bent_to_reaches(const Rig& rig, const Pose& pose, std::vector<std::string>* missed) {
     const bool some = std::any_of(pose.handles.begin(), pose.handles.end(),
                                   [](const auto& each) { return each.second.reach.has_value(); });
     if (!some) return pose;
@@ -247,9 +267,25 @@ Pose with_reaches(const Rig& rig, const Pose& pose) {
             throw InvalidInput("handle '" + id + "'", "two chains that reach for targets share this bone",
                                "make one of them shorter");
         }
-        bent = reach(rig, bent, handle.id, *found->second.reach, chain).pose;
+        Reached reached = reach(rig, bent, handle.id, *found->second.reach, chain);
+        if (missed != nullptr && is_missed(reached, bone_of(rig, handle.id))) {
+            missed->push_back("handle '" + handle.id + "': its chain" + stays_away(reached.distance_px));
+        }
+        bent = std::move(reached.pose);
     }
     return bent;
+}
+
+}  // namespace
+
+Pose with_reaches(const Rig& rig, const Pose& pose) {
+    return bent_to_reaches(rig, pose, nullptr);
+}
+
+std::vector<std::string> reach_warnings(const Rig& rig, const Pose& pose) {
+    std::vector<std::string> missed;
+    bent_to_reaches(rig, pose, &missed);
+    return missed;
 }
 
 }  // namespace puppetwarp

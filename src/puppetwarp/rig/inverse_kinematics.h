@@ -3,6 +3,7 @@
 #include <puppetwarp/rig/rig.h>
 
 #include <string>
+#include <vector>
 
 namespace puppetwarp {
 
@@ -28,5 +29,9 @@ Reached reach(const Rig& rig, const Pose& pose, const std::string& bone, const P
 //! The pose with the `reach` of each of its bones, in the order of the rig, made into rotations.
 //! \throw InvalidInput  as `reach`; two chains share a bone.
 Pose with_reaches(const Rig& rig, const Pose& pose);
+
+//! What a person should know of the reaches of a pose: each target that its chain does not come to, a sentence each.
+//! \throw InvalidInput  as `with_reaches`.
+std::vector<std::string> reach_warnings(const Rig& rig, const Pose& pose);
 
 }  // namespace puppetwarp

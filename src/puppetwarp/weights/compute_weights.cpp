@@ -83,6 +83,7 @@ Weights compute_weights(const TriangleMesh& mesh, const Rig& rig, const WeightOp
     } else {
         weights = weights_on_mesh(mesh, rig, options, progress);
     }
+    weights.W.array() += 0.0;  // no -0, which files and reports would show
     weights.partition_error = (weights.W.rowwise().sum().array() - 1).abs().maxCoeff();
     progress.step("weights", 1);
     return weights;

@@ -136,15 +136,21 @@ private:
         return *locator_;
     }
     MeshLocation located(const Point& at) const {
-        const MeshLocation place = locator().locate(at);
+        MeshLocation place = locator().locate(at);
         if (place.distance_px > on_border * size_) throw_outside(id(), place.distance_px);
         return place;
     }
-    // Ties go to the first corner.
+    // Ties, of which regular meshes are full, go to the lowest index and not to round-off, so that a rig takes hold of
+    // a mesh at every size and place in the same way.
     int nearest_corner(const MeshLocation& place) const {
-        Eigen::Index corner = 0;
-        place.barycentric.maxCoeff(&corner);
-        return mesh_.F(place.triangle, corner);
+        constexpr double tie = 1e-6;
+        const double largest = place.barycentric.maxCoeff();
+        int nearest = -1;
+        for (int k = 0; k < 3; ++k) {
+            const int vertex = mesh_.F(place.triangle, k);
+            if (place.barycentric(k) >= largest - tie && (nearest < 0 || vertex < nearest)) nearest = vertex;
+        }
+        return nearest;
     }
 
     void check(const PointHandle& point) const { located(point.at); }
@@ -159,9 +165,15 @@ private:
     void hold(const PointHandle& point) { claim(nearest_corner(located(point.at))); }
     void hold(const VertexHandle& vertex) { claim(vertex.index); }
     void hold(const RegionHandle& region) {
+        bool holds = false;
         for (int v = 0; v < mesh_.V.rows(); ++v) {
-            if (inside(region.points, position(v))) claim(v);
+            if (!inside(region.points, position(v))) continue;
+            claim(v);
+            holds = true;
         }
+        if (holds) return;
+        throw InvalidInput("handle '" + id() + "'", "no vertex of the mesh lies inside the region",
+                           "draw it larger and on the subject, or make the mesh finer");
     }
     void hold(const BoneHandle& bone);
     void hold(const CageHandle& cage);
@@ -346,7 +358,8 @@ void Conditions::require_all_hold(const std::vector<Eigen::Index>& first) const 
     for (std::size_t c = 0; c < holds.size(); ++c) {
         if (holds[c]) continue;
         throw InvalidInput("handle '" + column_name(rig_, found_.columns[c]) + "'",
-                           "it holds no vertex of the mesh that it does not share", "make the mesh finer");
+                           "it holds no vertex of the mesh that it does not share",
+                           "move it away from the others, or make the mesh finer");
     }
 }
 

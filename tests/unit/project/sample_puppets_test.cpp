@@ -80,7 +80,7 @@ TEST_P(SamplePuppet, MovesInEachPoseWithoutAFold) {
         SCOPED_TRACE(pose.name);
         const Deformation moved = deformer->deform(pose, nullptr, progress);
         RenderReport report;
-        describe(puppet.method, mesh, puppet.rig, moved, report);
+        describe(puppet.method, mesh, puppet.rig, pose, moved, report);
         EXPECT_EQ(report.distortion.flipped_triangles, 0);
         EXPECT_TRUE(report.converged);
         EXPECT_TRUE(report.warnings.empty()) << report.warnings.front();

@@ -97,6 +97,23 @@ TEST(InverseKinematics, TwoBonesKeepTheSideToWhichTheyBend) {
     }
 }
 
+TEST(InverseKinematics, TargetsThatAreNotReachedAreSaid) {
+    const Rig rig = chain_through({{0, 0}, {100, 20}, {160, 0}});
+    const auto warnings = [&](const Point& target) {
+        Pose pose;
+        pose.handles["b1"].reach = target;
+        return reach_warnings(rig, pose);
+    };
+    EXPECT_TRUE(reach_warnings(rig, {}).empty());
+    EXPECT_TRUE(warnings({120, 60}).empty());
+    const double longest = std::hypot(100, 20) + std::hypot(60, 20),
+                 shortest = std::hypot(100, 20) - std::hypot(60, 20);
+    EXPECT_TRUE(warnings({longest, 0}).empty());
+    ASSERT_EQ(warnings({longest + 25, 0}).size(), 1u);
+    EXPECT_EQ(warnings({longest + 25, 0})[0], "handle 'b1': its chain cannot come to its target and stays 25 px away");
+    EXPECT_EQ(warnings({0, 12.5 - shortest}).size(), 1u);  // too near
+}
+
 TEST(InverseKinematics, BendsFromWhereThePoseHasTheChain) {
     const Rig rig = chain_through({{0, 0}, {100, 0}, {200, 0}});
     Pose up, down;

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace puppetwarp {
 namespace {
 
@@ -42,6 +44,26 @@ TEST(WeightConditions, APointHoldsTheNearestCornerOfItsTriangle) {
         weight_conditions(board(), {{point("a", {31, 42}), point("b", {200, 100})}, {}});
     EXPECT_EQ(conditions.vertices, (std::vector<int>{at(3, 4), at(20, 10)}));
     EXPECT_EQ(conditions.values, Eigen::MatrixXd::Identity(2, 2));
+}
+
+// Ties at the middles of edges, which and on diagonals, which round-off would settle in another way at every size.
+TEST(WeightConditions, TheSameVerticesAreHeldAtEverySizeAndPlace) {
+    for (const double scale : {1.0, 1e-6, 0.01 / 3, 7.7, 1e6}) {
+        for (const Point& shift : {Point(0, 0), Point(0.1, 0.7), Point(333, -77)}) {
+            SCOPED_TRACE(scale);
+            TriangleMesh mesh = grid(12, 12, 100, 100);
+            const auto moved = [&](const Point& p) { return Point(scale * (p + shift)); };
+            for (Eigen::Index v = 0; v < mesh.V.rows(); ++v) mesh.V.row(v) = moved(mesh.V.row(v).transpose());
+            const Rig rig{{point("p", moved({340 / 12.0, 20})), point("q", moved({62.5, 87.5})),
+                           point("r", moved({50, 87.5})), bone("b", moved({20, 45}), moved({80, 60}))},
+                          {}};
+            const WeightConditions conditions = weight_conditions(mesh, rig);
+            EXPECT_EQ(held_by(conditions, 0), std::vector<int>{13 * 2 + 4});
+            EXPECT_EQ(held_by(conditions, 1), std::vector<int>{13 * 10 + 8});
+            EXPECT_EQ(held_by(conditions, 2), std::vector<int>{13 * 10 + 6});
+            EXPECT_EQ(held_by(conditions, 3).back(), 13 * 7 + 9);
+        }
+    }
 }
 
 TEST(WeightConditions, ABoneHoldsTheVerticesAlongIt) {
@@ -104,9 +126,25 @@ TEST(WeightConditions, RefusesWhatCannotBe) {
               "handle 'a': lies 50 px outside the subject (--pin-snap PX moves it onto the subject)");
     EXPECT_EQ(refusal({bone("a", {20, 50}, {220, 50})}),
               "handle 'a': lies 20 px outside the subject (--pin-snap PX moves it onto the subject)");
-    EXPECT_EQ(refusal({{"r", RegionHandle{{{12, 12}, {15, 12}, {12, 15}}, Falloff::none}}}),
-              "handle 'r': it holds no vertex of the mesh that it does not share (make the mesh finer)");
+    EXPECT_EQ(
+        refusal({{"r", RegionHandle{{{12, 12}, {15, 12}, {12, 15}}, Falloff::none}}}),
+        "handle 'r': no vertex of the mesh lies inside the region (draw it larger and on the subject, or make the "
+        "mesh finer)");
+    EXPECT_EQ(refusal({bone("a", {20, 50}, {100, 50}), bone("b", {100, 50}, {20, 50})}),
+              "handle 'a': it holds no vertex of the mesh that it does not share (move it away from the others, or "
+              "make the mesh finer)");
     EXPECT_EQ(refusal({{"v", VertexHandle{231}}}), "handle 'v': index 231 is not a vertex: the mesh has 231");
+}
+
+TEST(Weights, HoldNoMinusZero) {
+    WeightOptions options;
+    options.partition = Partition::normalised;
+    const Rig rig{{point("a", {10, 50}), point("b", {60, 50}), point("c", {140, 20}), bone("d", {170, 20}, {170, 80})},
+                  {}};
+    Progress progress;
+    const Weights weights = compute_weights(board(), rig, options, progress);
+    EXPECT_GT((weights.W.array() == 0).count(), 100);
+    EXPECT_FALSE(weights.W.unaryExpr([](double w) { return std::signbit(w) ? 1.0 : 0.0; }).any());
 }
 
 }  // namespace

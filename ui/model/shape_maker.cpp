@@ -136,7 +136,8 @@ void ShapeMaker::update_solver(const Puppet& puppet, Progress& progress) {
     if (solver_ && method == method_key_) {
         solver_->set_rig(rig(puppet), progress);
     } else {
-        solver_ = std::make_unique<InteractiveSolver>(puppet.method, *mesh_, rig(puppet), pace_.metric_worker, progress);
+        solver_ =
+            std::make_unique<InteractiveSolver>(puppet.method, *mesh_, rig(puppet), pace_.metric_worker, progress);
         begun_ = false;
     }
     method_key_ = std::move(method);

@@ -1,13 +1,13 @@
 #include <puppetwarp/mesh/automatic_cage.h>
 
 #include <puppetwarp/base/errors.h>
-#include <puppetwarp/mesh/triangle_sides.h>
 #include <puppetwarp/mesh/bridges.h>
 #include <puppetwarp/mesh/cage_shaper.h>
 #include <puppetwarp/mesh/contour_field.h>
 #include <puppetwarp/mesh/enclosing.h>
 #include <puppetwarp/mesh/offset_field.h>
 #include <puppetwarp/mesh/simplify.h>
+#include <puppetwarp/mesh/triangle_sides.h>
 
 #include <Eigen/Geometry>
 

@@ -107,10 +107,7 @@ struct Claim {
 class Conditions {
 public:
     Conditions(const TriangleMesh& mesh, const Rig& rig)
-        : mesh_(mesh),
-          rig_(rig),
-          size_(bounding_diagonal(mesh.V)),
-          claims_(static_cast<std::size_t>(mesh.V.rows())) {
+        : mesh_(mesh), rig_(rig), size_(bounding_diagonal(mesh.V)), claims_(static_cast<std::size_t>(mesh.V.rows())) {
         found_.columns = weight_columns(rig);
     }
 

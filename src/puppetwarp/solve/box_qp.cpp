@@ -45,13 +45,13 @@ public:
         if (definite_ && !settled) descend();
         if (!definite_) return std::nullopt;
         result_.x = clipped(result_.x);
-        result_.kkt_residual = kkt_residual(result_.x, gradient(result_.x));
+        result_.kkt_residual = kkt_residual(result_.x, gradient());
         result_.converged = result_.kkt_residual <= options_.tolerance;
         return std::move(result_);
     }
 
 private:
-    Eigen::VectorXd gradient(const Eigen::VectorXd& x) const { return qp_.Q * x + qp_.c; }
+    Eigen::VectorXd gradient() const { return qp_.Q * result_.x + qp_.c; }
     Eigen::VectorXd clipped(const Eigen::VectorXd& x) const { return x.cwiseMax(qp_.lower).cwiseMin(qp_.upper); }
 
     // \return whether no variable wants to change sides.
@@ -61,24 +61,20 @@ private:
         while (result_.iterations < most && visited.note(side_)) {
             result_.x = minimise_inside();
             if (!definite_) return false;
-            const Eigen::VectorXd g = gradient(result_.x);
-            if (change_sides(g)) continue;
-            if (good_enough() || !change_some_sides(g)) return true;
+            const Eigen::VectorXd g = gradient();
+            bool changed = change_sides(g);
+            if (!changed && good_enough()) return true;
+            // Many variables a little beyond a bound are together more than the tolerance.
+            while (!changed && tighten(sign_, options_.tolerance)) changed = change_sides(g);
+            if (!changed) return true;
         }
         return false;
     }
 
-    // Whether the last sides are those of a solution to the tolerance.
+    // Whether what is a little beyond its bounds may be clipped.
     bool good_enough() const {
         const Eigen::VectorXd x = clipped(result_.x);
-        return kkt_residual(x, gradient(x)) <= options_.tolerance;
-    }
-
-    bool change_some_sides(const Eigen::VectorXd& g) {
-        for (; sign_ >= finest_sign; sign_ *= finer_signs) {
-            if (change_sides(g)) return true;
-        }
-        return false;
+        return kkt_residual(x, qp_.Q * x + qp_.c) <= options_.tolerance;
     }
 
     bool change_sides(const Eigen::VectorXd& g) {
@@ -104,8 +100,8 @@ private:
         result_.safeguarded = true;
         result_.x = clipped(result_.x);
         while (result_.iterations < options_.max_iterations) {
-            const Eigen::VectorXd g = gradient(result_.x);
-            if (kkt_residual(result_.x, g) <= sign_share * options_.tolerance) return;
+            const Eigen::VectorXd g = gradient();
+            if (kkt_residual(result_.x, g) <= sign_) return;
             hold_what_stays(g);
             const Eigen::VectorXd target = minimise_inside();
             if (!definite_ || !step_towards(target, g)) return;

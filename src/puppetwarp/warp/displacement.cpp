@@ -2,7 +2,7 @@
 
 #include <puppetwarp/base/threads.h>
 #include <puppetwarp/warp/face_map.h>
-#include <puppetwarp/warp/sampling.h>
+#include <puppetwarp/warp/point_sampler.h>
 #include <puppetwarp/warp/spans.h>
 #include <puppetwarp/warp/warp_input.h>
 
@@ -21,43 +21,11 @@ namespace puppetwarp {
 namespace {
 
 constexpr int band_rows = 32;
-constexpr int longest_run = 256;  // as `warp`, which sets a run up anew after so many pixels
+constexpr int longest_run = detail::PointSampler::longest_run;
 
-// The alpha of a run of a picture in [0, 1], sampled as `warp` samples.
-class AlphaSampler {
-public:
-    // \param image  with alpha; its pixels are shared.
-    AlphaSampler(const Image& image, Interpolation interpolation)
-        : pixels_(image.pixels),
-          source_{pixels_.data, pixels_.step[0], pixels_.cols, pixels_.rows},
-          format_{pixels_.depth(), pixels_.channels(), false},
-          sample_(detail::find_run_sampler(format_, interpolation, detail::best_simd(), source_)) {}
-
-    void operator()(const detail::Run& run, float* alpha) const {
-        alignas(16) std::array<unsigned char, longest_run * 4 * sizeof(float)> pixels;
-        sample_(source_, run, pixels.data());
-        switch (format_.depth) {
-            case CV_8U: take<std::uint8_t>(pixels.data(), run.count, 1 / 255.0F, alpha); break;
-            case CV_16U: take<std::uint16_t>(pixels.data(), run.count, 1 / 65535.0F, alpha); break;
-            default: take<float>(pixels.data(), run.count, 1, alpha); break;
-        }
-    }
-
-private:
-    template <class T>
-    void take(const void* pixels, int count, float unit, float* alpha) const {
-        const T* p = static_cast<const T*>(pixels) + format_.channels - 1;
-        for (int i = 0; i < count; ++i, p += format_.channels) alpha[i] = static_cast<float>(*p) * unit;
-    }
-
-    cv::Mat pixels_;
-    detail::SourceView source_;
-    detail::PixelFormat format_;
-    detail::RunSampler sample_;
-};
-
-std::optional<AlphaSampler> sampler_of(const Image& image, Interpolation interpolation) {
-    return image.has_alpha() ? std::optional<AlphaSampler>(std::in_place, image, interpolation) : std::nullopt;
+std::optional<detail::PointSampler> sampler_of(const Image& image, Interpolation interpolation) {
+    using Sampler = std::optional<detail::PointSampler>;
+    return image.has_alpha() ? Sampler(std::in_place, image, false, interpolation) : std::nullopt;
 }
 
 // A matte as a picture that has it as its alpha.
@@ -82,8 +50,8 @@ struct DisplacementRows::Drawn {
     detail::WarpInput input;
     DisplacementPlane plane;
     detail::SnappedMesh spans;
-    std::optional<AlphaSampler> alpha;  // of the picture
-    std::optional<AlphaSampler> kept;   // by the cutout
+    std::optional<detail::PointSampler> alpha;  // of the picture
+    std::optional<detail::PointSampler> kept;   // by the cutout
 
     void fill_band(detail::RowRange band, int first_row, cv::Mat& rows) const;
     void fill_run(const detail::FaceMap& map, int row, int first, int count, cv::Vec3f* shown, float* weights) const;
@@ -108,8 +76,8 @@ void DisplacementRows::Drawn::fill_run(const detail::FaceMap& map, int row, int 
     const double y = static_cast<double>(input.canvas.y) + row + 0.5;
     const detail::Run run = map.run(x, y, 1, count);
     std::array<float, longest_run> fronts, kepts;
-    if (weights != nullptr) (*alpha)(run, fronts.data());
-    if (kept) (*kept)(run, kepts.data());
+    if (weights != nullptr) alpha->alpha(run, fronts.data());
+    if (kept) kept->alpha(run, kepts.data());
     for (int i = 0; i < count; ++i) {
         const auto k = static_cast<std::size_t>(i);
         float& left = shown[i][2];

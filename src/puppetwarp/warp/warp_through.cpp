@@ -2,17 +2,14 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/threads.h>
-#include <puppetwarp/warp/face_map.h>
 #include <puppetwarp/warp/map_places.h>
-#include <puppetwarp/warp/pixel_ops.h>
-#include <puppetwarp/warp/sampling.h>
+#include <puppetwarp/warp/point_sampler.h>
 #include <puppetwarp/warp/spans.h>
 #include <puppetwarp/warp/warp_input.h>
 
 #include <opencv2/core.hpp>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -23,38 +20,20 @@ namespace puppetwarp {
 namespace {
 
 using detail::MapPlaces;
-using detail::ShownPlace;
 
 constexpr int band_rows = 32;
 constexpr int bands_between_reports = 16;
+// Slopes are differences of numbers that were rounded.
 constexpr double least_slope_noise = 1e-4;
-
-// \param noise  of the slope, whose numbers were rounded: a whole factor must not need one sample more for it.
-int samples_for(const Eigen::Matrix2d& slope, double noise) {
-    if (slope.squaredNorm() <= detail::single_sample_limit * detail::single_sample_limit) return 1;
-    const double same = std::hypot(slope(0, 0) + slope(1, 1), slope(1, 0) - slope(0, 1));
-    const double opposite = std::hypot(slope(0, 0) - slope(1, 1), slope(1, 0) + slope(0, 1));
-    const double largest_stretch = (same + opposite) / 2;
-    if (!(largest_stretch > detail::single_sample_limit + noise)) return 1;
-    return static_cast<int>(std::ceil(std::min<double>(largest_stretch - noise, detail::most_samples)));
-}
-
-std::int64_t fixed_point(double value) {
-    return static_cast<std::int64_t>(std::llround(value * detail::fixed_one));
-}
 
 // Paints what a map shows of a picture, pixel by pixel.
 class MapPainter {
 public:
-    MapPainter(const cv::Mat& pixels, const MapPlaces& places, const detail::PixelFormat& format,
-               Interpolation interpolation, double rounding_px, cv::Mat& out)
-        : source_{pixels.data, pixels.step[0], pixels.cols, pixels.rows},
-          places_(places),
-          format_(format),
-          interpolation_(interpolation),
+    MapPainter(const MapPlaces& places, const detail::PointSampler& sampler, double rounding_px, cv::Mat& out)
+        : places_(places),
+          sampler_(sampler),
+          format_(sampler.format()),
           slope_noise_(least_slope_noise + 4 * rounding_px),
-          sample_(detail::find_scalar_sampler(format, interpolation)),
-          ops_(detail::find_pixel_ops(format)),
           out_(out) {}
 
     void paint(detail::RowRange rows) const {
@@ -62,7 +41,7 @@ public:
             unsigned char* pixel = out_.ptr(row);
             for (int column = 0; column < out_.cols; ++column, pixel += format_.out_bytes()) {
                 if (const auto shown = places_.shown(column, row)) {
-                    paint_pixel(*shown, pixel);
+                    sampler_.sample(shown->at, shown->slope, slope_noise_, pixel);
                     if (shown->shown < 1) fade(pixel, shown->shown);
                 } else {
                     std::memset(pixel, 0, format_.out_bytes());
@@ -72,36 +51,6 @@ public:
     }
 
 private:
-    void paint_pixel(const ShownPlace& shown, void* pixel) const {
-        const int samples = interpolation_ == Interpolation::nearest ? 1 : samples_for(shown.slope, slope_noise_);
-        const Point corner = shown.at - Point(0.5, 0.5);
-        if (samples > 1) {
-            supersample(shown, samples, pixel);
-        } else if (corner == corner.array().round().matrix()) {
-            ops_.copy(source_, std::lround(corner.x()), std::lround(corner.y()), 1, pixel);
-        } else {
-            sample_(source_, {fixed_point(corner.x()), fixed_point(corner.y()), 0, 0, 1}, pixel);
-        }
-    }
-
-    // The pixel's square on a grid, as `warp` has it for the pixels of a triangle.
-    void supersample(const ShownPlace& shown, int samples, void* pixel) const {
-        alignas(16) std::array<unsigned char, detail::most_samples * 4 * sizeof(float)> row;
-        std::array<double, 4> sums{};
-        const double step = 1.0 / samples;
-        for (int k = 0; k < samples; ++k) {
-            const Point offset((step - 1) / 2, (k + 0.5) * step - 0.5);
-            const Point corner = shown.at + shown.slope * offset - Point(0.5, 0.5);
-            const Point along = shown.slope.col(0) * step;
-            sample_(source_,
-                    {fixed_point(corner.x()), fixed_point(corner.y()), fixed_point(along.x()), fixed_point(along.y()),
-                     samples},
-                    row.data());
-            ops_.add_samples(row.data(), 1, samples, sums.data());
-        }
-        ops_.store_means(sums.data(), 1, samples * samples, pixel);
-    }
-
     void fade(unsigned char* pixel, double shown) const {
         switch (format_.depth) {
             case CV_8U: fade_alpha(reinterpret_cast<std::uint8_t*>(pixel), shown); break;
@@ -118,13 +67,10 @@ private:
         if (pixel[channels - 1] == 0) std::fill_n(pixel, channels, T{});
     }
 
-    detail::SourceView source_;
     const MapPlaces& places_;
+    const detail::PointSampler& sampler_;
     detail::PixelFormat format_;
-    Interpolation interpolation_;
     double slope_noise_;
-    detail::RunSampler sample_;
-    detail::PixelOps ops_;
     cv::Mat& out_;
 };
 
@@ -166,12 +112,10 @@ Image warp_through(const Image& image, const DisplacementMap& map, const Through
     const Canvas canvas = chosen_canvas(map, options);
     progress.step("warp", 0);
     const MapPlaces places(map, canvas, {options.x_magnification, options.y_magnification}, image);
-    detail::PixelFormat format{image.pixels.depth(), image.pixels.channels(), false};
-    format.adds_alpha = !image.has_alpha() && !covers(places, canvas);
-
-    const int type = CV_MAKETYPE(format.depth, format.out_channels());
-    Image result{detail::allocate_canvas(canvas, type), image.metadata};
-    const MapPainter painter(image.pixels, places, format, options.interpolation, map.rounding_px, result.pixels);
+    const detail::PointSampler sampler(image, !image.has_alpha() && !covers(places, canvas), options.interpolation);
+    const detail::PixelFormat& format = sampler.format();
+    Image result{detail::allocate_canvas(canvas, CV_MAKETYPE(format.depth, format.out_channels())), image.metadata};
+    const MapPainter painter(places, sampler, map.rounding_px, result.pixels);
     constexpr int rows_between_reports = band_rows * bands_between_reports;
     for (int row = 0; row < canvas.height; row += rows_between_reports) {
         progress.step("warp", static_cast<double>(row) / canvas.height);

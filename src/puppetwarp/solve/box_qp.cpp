@@ -44,14 +44,15 @@ public:
         const bool settled = settle_active_set();
         if (definite_ && !settled) descend();
         if (!definite_) return std::nullopt;
-        result_.x = result_.x.cwiseMax(qp_.lower).cwiseMin(qp_.upper);
-        result_.kkt_residual = kkt_residual(gradient());
+        result_.x = clipped(result_.x);
+        result_.kkt_residual = kkt_residual(result_.x, gradient());
         result_.converged = result_.kkt_residual <= options_.tolerance;
         return std::move(result_);
     }
 
 private:
     Eigen::VectorXd gradient() const { return qp_.Q * result_.x + qp_.c; }
+    Eigen::VectorXd clipped(const Eigen::VectorXd& x) const { return x.cwiseMax(qp_.lower).cwiseMin(qp_.upper); }
 
     // \return whether no variable wants to change sides.
     bool settle_active_set() {
@@ -60,9 +61,20 @@ private:
         while (result_.iterations < most && visited.note(side_)) {
             result_.x = minimise_inside();
             if (!definite_) return false;
-            if (!change_sides(gradient())) return true;
+            const Eigen::VectorXd g = gradient();
+            bool changed = change_sides(g);
+            if (!changed && good_enough()) return true;
+            // Many variables a little beyond a bound are together more than the tolerance.
+            while (!changed && tighten(sign_, options_.tolerance)) changed = change_sides(g);
+            if (!changed) return true;
         }
         return false;
+    }
+
+    // Whether what is a little beyond its bounds may be clipped.
+    bool good_enough() const {
+        const Eigen::VectorXd x = clipped(result_.x);
+        return kkt_residual(x, qp_.Q * x + qp_.c) <= options_.tolerance;
     }
 
     bool change_sides(const Eigen::VectorXd& g) {
@@ -86,10 +98,10 @@ private:
     // at the bounds.
     void descend() {
         result_.safeguarded = true;
-        result_.x = result_.x.cwiseMax(qp_.lower).cwiseMin(qp_.upper);
+        result_.x = clipped(result_.x);
         while (result_.iterations < options_.max_iterations) {
             const Eigen::VectorXd g = gradient();
-            if (kkt_residual(g) <= sign_) return;
+            if (kkt_residual(result_.x, g) <= sign_) return;
             hold_what_stays(g);
             const Eigen::VectorXd target = minimise_inside();
             if (!definite_ || !step_towards(target, g)) return;
@@ -110,7 +122,7 @@ private:
 
     bool step_towards(const Eigen::VectorXd& target, const Eigen::VectorXd& g) {
         for (double step = 1; step > shortest_step; step /= 2) {
-            const Eigen::VectorXd x = (result_.x + step * (target - result_.x)).cwiseMax(qp_.lower).cwiseMin(qp_.upper);
+            const Eigen::VectorXd x = clipped(result_.x + step * (target - result_.x));
             const Eigen::VectorXd way = x - result_.x;
             const double slope = g.dot(way);
             if (slope < 0 && slope + 0.5 * way.dot(qp_.Q * way) <= sufficient_share * slope) {
@@ -121,13 +133,13 @@ private:
         return false;
     }
 
-    double kkt_residual(const Eigen::VectorXd& g) const {
+    double kkt_residual(const Eigen::VectorXd& x, const Eigen::VectorXd& g) const {
         double residual = 0;
         for (int v = 0; v < g.size(); ++v) {
             if (side_[static_cast<std::size_t>(v)] == given) continue;
             double pull = std::abs(g(v));
-            if (result_.x(v) <= qp_.lower(v)) pull = -g(v);
-            if (result_.x(v) >= qp_.upper(v)) pull = g(v);
+            if (x(v) <= qp_.lower(v)) pull = -g(v);
+            if (x(v) >= qp_.upper(v)) pull = g(v);
             residual = std::max(residual, pull / diagonal_(v));
         }
         return residual;

@@ -23,9 +23,18 @@ struct QpReport {
     bool safeguarded = false;  //!< the active set went in circles, projected Newton steps took over
 };
 
-//! Share of the tolerance by which an active set's signs may be wrong: below it they are round-off, on which sets
-//! cycle; clipping what is left changes the KKT residual by far less than the tolerance.
+//! Share of the tolerance by which an active set's signs may be wrong at first: below it they are mostly round-off, on
+//! which sets cycle.
 inline constexpr double sign_share = 0.1;
+
+//! Asks more of signs, where clipping what is left of the wrong ones leaves more than the tolerance.
+//! \return whether there is more to ask for.
+inline bool tighten(double& sign, double tolerance) {
+    constexpr double least_share = 1e-4;
+    if (sign <= least_share * tolerance) return false;
+    sign *= 0.1;
+    return true;
+}
 
 //! The active sets that an iteration has been at.
 class VisitedSets {

@@ -82,7 +82,12 @@ private:
             choose_pivots();
             result_.W = minimise_unheld();
             if (!definite_) return false;
-            if (!change_sides(product(qp_.Q, result_.W)) || good_enough()) return true;
+            const Shares G = product(qp_.Q, result_.W);
+            bool changed = change_sides(G);
+            if (good_enough()) return true;
+            // Many shares a little below 0 are together more than the tolerance.
+            while (!changed && tighten(sign_, options_.tolerance)) changed = change_sides(G);
+            if (!changed) return true;
         }
         return false;
     }
@@ -110,19 +115,33 @@ private:
         }
     }
 
-    bool change_sides(const Shares& G) {
-        bool changed = false;
+    // \return whether any did.
+    bool change_sides(const Shares& G) { return change_sides(G, true) || change_sides(G, false); }
+
+    // \param at_edges  released are only shares beside ones that are not held. Others that seem to ask for it hardly
+    // ever mean it: far from its handle, what pushes a share is 0 but for the errors of sets that are not the last.
+    bool change_sides(const Shares& G, bool at_edges) {
+        const std::string before = held_;
         for (Eigen::Index v = 0; v < n_; ++v) {
             if (given(v)) continue;
             for (Eigen::Index j = 0; j < m_; ++j) {
-                const bool was_held = held(v, j) != 0;
+                const bool was_held = held_at(before, v, j);
                 const bool wants_to =
                     was_held ? G(v, j) - G(v, pivot(v)) >= -sign_ * diagonal_(v) : result_.W(v, j) < -sign_;
-                held(v, j) = wants_to ? 1 : 0;
-                changed = changed || wants_to != was_held;
+                held(v, j) = wants_to || (was_held && at_edges && !beside_unheld(before, v, j)) ? 1 : 0;
             }
         }
-        return changed;
+        return held_ != before;
+    }
+
+    bool held_at(const std::string& sides, Eigen::Index v, Eigen::Index j) const {
+        return given(v) ? result_.W(v, j) <= 0 : sides[static_cast<std::size_t>(v * m_ + j)] != 0;
+    }
+    bool beside_unheld(const std::string& sides, Eigen::Index v, Eigen::Index j) const {
+        for (SparseMatrix::InnerIterator it(qp_.Q, v); it; ++it) {
+            if (!held_at(sides, it.row(), j)) return true;
+        }
+        return false;
     }
 
     // Bertsekas' two-metric projection: shares at 0 that want to stay are held, a Newton step in the others, bent at 0.

@@ -68,31 +68,53 @@ private:
 
     WeightSolution solve(const WeightProblem& problem, const std::optional<Eigen::MatrixXd>& guess) {
         const SparseMatrix Q = laplacian_energy(problem);
-        Eigen::MatrixXd start = guess ? *guess : unbounded_weights(Q, problem.conditions);
-        snap_to_bounds(start);
-        for (std::size_t i = 0; i < problem.conditions.vertices.size(); ++i) {
-            start.row(problem.conditions.vertices[i]) = problem.conditions.values.row(static_cast<Eigen::Index>(i));
+        WeightSolution solution;
+        if (options_.partition == Partition::normalised) {
+            solution = solve_each(Q, problem, guess ? *guess : unbounded_weights(Q, problem.conditions), {0, 1});
+        } else if (guess) {
+            solution = solve_coupled(Q, problem, *guess, {0, 1});
+        } else {
+            // Each handle on its own says nearly which weights are 0. Unbounded weights are everywhere above or below
+            // it: what a system of all that are above costs grows with the cube of the number of handles.
+            constexpr double share = 0.3;
+            const WeightSolution each = solve_each(Q, problem, unbounded_weights(Q, problem.conditions), {0, share});
+            solution = solve_coupled(Q, problem, each.W, {share, 1 - share});
+            solution.iterations += each.iterations;
         }
-        WeightSolution solution =
-            options_.partition == Partition::coupled ? solve_coupled(Q, problem, start) : solve_each(Q, problem, start);
         done_ += work_of(problem);
         return solution;
     }
 
+    // Part of the work on a problem: what was done before it, and its own share.
+    struct Part {
+        double before, share;
+    };
+
     // One step of progress a factorisation; how many there will be is unknown.
-    QpOptions qp_options(const WeightProblem& problem, double before, double share) {
+    QpOptions qp_options(const WeightProblem& problem, const Part& part) {
         const double tolerance = fine_ ? options_.tolerance : std::max(coarse_tolerance, options_.tolerance);
-        const double first = (done_ + before * work_of(problem)) / total_;
-        const double width = share * work_of(problem) / total_;
+        const double first = (done_ + part.before * work_of(problem)) / total_;
+        const double width = part.share * work_of(problem) / total_;
         return {tolerance, options_.max_iterations, [this, first, width, steps = 0]() mutable {
                     progress_.step("weights", first + width * (1 - 1 / (1 + 0.5 * steps++)));
                 }};
     }
 
-    WeightSolution solve_coupled(const SparseMatrix& Q, const WeightProblem& problem, const Eigen::MatrixXd& start) {
+    // What is given, as it is; else what is near a bound is at it.
+    static Eigen::MatrixXd start_from(Eigen::MatrixXd W, const WeightConditions& conditions) {
+        snap_to_bounds(W);
+        for (std::size_t i = 0; i < conditions.vertices.size(); ++i) {
+            W.row(conditions.vertices[i]) = conditions.values.row(static_cast<Eigen::Index>(i));
+        }
+        return W;
+    }
+
+    WeightSolution solve_coupled(const SparseMatrix& Q, const WeightProblem& problem, const Eigen::MatrixXd& guess,
+                                 const Part& part) {
         std::vector<char> given(static_cast<std::size_t>(Q.rows()), 0);
         for (const int v : problem.conditions.vertices) given[static_cast<std::size_t>(v)] = 1;
-        const auto found = solve_simplex_qp({Q, given}, start, qp_options(problem, 0, 1));
+        const Eigen::MatrixXd start = start_from(guess, problem.conditions);
+        const auto found = solve_simplex_qp({Q, given}, start, qp_options(problem, part));
         if (!found) refuse_triangles();
         WeightSolution solution;
         add(solution, *found);
@@ -100,16 +122,18 @@ private:
         return solution;
     }
 
-    WeightSolution solve_each(const SparseMatrix& Q, const WeightProblem& problem, const Eigen::MatrixXd& start) {
+    WeightSolution solve_each(const SparseMatrix& Q, const WeightProblem& problem, const Eigen::MatrixXd& guess,
+                              const Part& part) {
+        const Eigen::MatrixXd start = start_from(guess, problem.conditions);
         WeightSolution solution;
         solution.W.resize(start.rows(), start.cols());
         const Eigen::VectorXd c = Eigen::VectorXd::Zero(Q.rows());
-        const double share = 1.0 / static_cast<double>(start.cols());
+        const double share = part.share / static_cast<double>(start.cols());
         for (Eigen::Index j = 0; j < start.cols(); ++j) {
             Eigen::VectorXd lower = Eigen::VectorXd::Zero(Q.rows());
             Eigen::VectorXd upper = Eigen::VectorXd::Ones(Q.rows());
             for (const int v : problem.conditions.vertices) lower(v) = upper(v) = start(v, j);
-            const QpOptions options = qp_options(problem, static_cast<double>(j) * share, share);
+            const QpOptions options = qp_options(problem, {part.before + static_cast<double>(j) * share, share});
             const auto found = solve_box_qp({Q, c, lower, upper}, start.col(j), options);
             if (!found) refuse_triangles();
             add(solution, *found);

@@ -55,7 +55,7 @@ struct Scene {
     Rig rig;
 };
 
-// 300 vertices each: points, bones that share a joint, a region, an inner cage, stiffness.
+// 300 vertices each: points, bones that share a joint, a region, a cage around all, all kinds mixed, stiffness.
 std::vector<Scene> scenes() {
     const TriangleMesh board = grid(19, 14, 190, 140, 0.25, 3);
     const TriangleMesh squares = grid(19, 14, 190, 140);
@@ -72,6 +72,13 @@ std::vector<Scene> scenes() {
     all.push_back({"cage",
                    squares,
                    {{{"hull", CageHandle{{{0, 0}, {190, 0}, {190, 140}, {0, 140}}}}, point("b", {100, 70})}, {}}});
+    all.push_back({"mixed",
+                   squares,
+                   {{{"hull", CageHandle{{{120, 50}, {170, 50}, {170, 110}, {120, 110}}}},
+                     point("a", {20, 20}),
+                     bone("b", {80, 20}, {80, 60}),
+                     {"r", RegionHandle{{{25, 85}, {65, 85}, {65, 115}, {25, 115}}, Falloff::none}}},
+                    {}}});
     Rig stiff = all[0].rig;
     stiff.stiffness.emplace_back(StiffnessRegion{{{60, 20}, {120, 20}, {120, 90}, {60, 90}}, 101});
     all.push_back({"stiffness", board, stiff});
@@ -169,6 +176,19 @@ TEST_P(BoundedBiharmonic, SettlesOnRandomSubjectsWithoutAFallback) {
         EXPECT_EQ(weights.fallback, "") << seed;
         EXPECT_LE(weights.partition_error, 1e-9) << seed;
     }
+}
+
+// Sixty points: each is 0 beyond its neighbours and theirs.
+TEST_P(BoundedBiharmonic, TakesManyHandles) {
+    const TriangleMesh mesh = grid(40, 30, 400, 300, 0.2, 6);
+    std::vector<int> indices;
+    for (int k = 0; k < 60; ++k) indices.push_back(41 * (2 + 5 * (k / 10)) + 2 + 4 * (k % 10));
+    const Weights weights = solve(mesh, reference::rig_of_vertices(indices), GetParam());
+    EXPECT_TRUE(weights.converged);
+    EXPECT_LE(weights.kkt_residual, 1e-8);
+    EXPECT_EQ(weights.fallback, "");
+    EXPECT_LE(weights.partition_error, 1e-9);
+    EXPECT_LT(static_cast<double>((weights.W.array() > 1e-9).count()) / static_cast<double>(mesh.V.rows()), 20);
 }
 
 TEST_P(BoundedBiharmonic, SaysWhenItStopsBeforeTheEnd) {

@@ -178,7 +178,7 @@ TEST_P(BoundedBiharmonic, SettlesOnRandomSubjectsWithoutAFallback) {
     }
 }
 
-// Sixty points: each has a few neighbours, and is 0 beyond them.
+// Sixty points: each is 0 beyond its neighbours and theirs.
 TEST_P(BoundedBiharmonic, TakesManyHandles) {
     const TriangleMesh mesh = grid(40, 30, 400, 300, 0.2, 6);
     std::vector<int> indices;
@@ -188,7 +188,7 @@ TEST_P(BoundedBiharmonic, TakesManyHandles) {
     EXPECT_LE(weights.kkt_residual, 1e-8);
     EXPECT_EQ(weights.fallback, "");
     EXPECT_LE(weights.partition_error, 1e-9);
-    EXPECT_LT(static_cast<double>((weights.W.array() > 1e-9).count()) / static_cast<double>(mesh.V.rows()), 8);
+    EXPECT_LT(static_cast<double>((weights.W.array() > 1e-9).count()) / static_cast<double>(mesh.V.rows()), 20);
 }
 
 TEST_P(BoundedBiharmonic, SaysWhenItStopsBeforeTheEnd) {

@@ -132,7 +132,8 @@ void add_method_options(CLI::App& warp, WarpRequest& request) {
 void add_picture_options(CLI::App& warp, WarpRequest& request) {
     warp.add_option("--canvas", request.canvas, "keep (default), grow so that nothing is cut off, or WxH+X+Y")
         ->type_name("C");
-    warp.add_option("--interpolation", request.interpolation, "nearest, bilinear, bicubic (default)")->type_name("I");
+    warp.add_option("--interpolation", request.interpolation, "nearest, bilinear, bicubic (default), lanczos3")
+        ->type_name("I");
     warp.add_option("--background", request.background, "transparent (default), keep, #rrggbb or #rrggbbaa")
         ->type_name("B");
     warp.add_option("--overlay", request.overlay, "Draw over the result: mesh, handles or both")

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <puppetwarp/base/image.h>
+#include <puppetwarp/warp/batch.h>
 #include <puppetwarp/warp/face_map.h>
-#include <puppetwarp/warp/pixel_ops.h>
+#include <puppetwarp/warp/footprint.h>
 #include <puppetwarp/warp/spans.h>
 
 namespace puppetwarp::detail {
@@ -22,27 +23,30 @@ public:
     void paint(RowRange band) const;
 
 private:
-    struct Scratch;
     struct Part;
     struct Plan;
     Plan planned(RowRange band) const;
+    void add_spans(int triangle, RowRange band, Plan& plan) const;
+    Part part_of(int triangle) const;
     void clear(RowRange rows) const;
-    void copy_span(const FaceMap& map, int row, int first, int last, Scratch& scratch) const;
-    void sample_span(const FaceMap& map, int row, int first, int last, Scratch& scratch) const;
-    void supersample_span(const FaceMap& map, int samples, int row, int first, int last, Scratch& scratch) const;
-    template <class Fill>
-    void lay(int row, int first, int count, Scratch& scratch, const Fill& fill) const;
+    void paint_strip(const Plan& plan, std::size_t strip, Batch& batch) const;
+    void paint_span(const Part& part, const Span& span, Batch& batch) const;
+    void copy_span(const Part& part, const Span& span, Batch& batch) const;
+    void sample_span(const Part& part, const Span& span, Batch& batch) const;
+    void supersample_span(const Part& part, const Span& span, Batch& batch) const;
+    std::ptrdiff_t bytes_ahead(const FaceMap& map) const;
     double centre_x(int column) const { return static_cast<double>(canvas_.x) + column + 0.5; }
     double centre_y(int row) const { return static_cast<double>(canvas_.y) + row + 0.5; }
 
-    SourceView source_;
     PixelFormat format_;
     const TriangleMesh& rest_;
     const Eigen::MatrixX2d& moved_;
     const SnappedMesh& spans_;
     Canvas canvas_;
     Interpolation interpolation_;
-    RunSampler sample_;
+    Samplers samplers_;
+    SampledView single_;
+    SampledView several_;
     PixelOps ops_;
     cv::Mat& out_;
 };

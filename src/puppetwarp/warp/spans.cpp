@@ -1,6 +1,7 @@
 #include <puppetwarp/warp/spans.h>
 
 #include <puppetwarp/base/threads.h>
+#include <puppetwarp/warp/coverage_bits.h>
 
 #include <atomic>
 #include <cmath>
@@ -10,46 +11,6 @@ namespace puppetwarp::detail {
 namespace {
 
 constexpr int coverage_band_rows = 128;
-
-//! One bit a pixel: what triangles have covered of a few rows.
-class CoverageBits {
-public:
-    CoverageBits(RowRange rows, int width)
-        : first_row_(rows.first),
-          width_(width),
-          words_a_row_((static_cast<std::size_t>(width) + 63) / 64),
-          words_(words_a_row_ * static_cast<std::size_t>(rows.last - rows.first)) {}
-
-    void set(int row, int first, int last) {
-        std::uint64_t* words = words_.data() + words_a_row_ * static_cast<std::size_t>(row - first_row_);
-        const auto head = static_cast<std::size_t>(first) / 64;
-        const auto tail = static_cast<std::size_t>(last - 1) / 64;
-        const std::uint64_t from_first = ~std::uint64_t{0} << (first % 64);
-        const std::uint64_t to_last = ~std::uint64_t{0} >> (63 - (last - 1) % 64);
-        if (head == tail) {
-            words[head] |= from_first & to_last;
-            return;
-        }
-        words[head] |= from_first;
-        std::fill(words + head + 1, words + tail, ~std::uint64_t{0});
-        words[tail] |= to_last;
-    }
-
-    bool all() const {
-        const std::uint64_t last_word = ~std::uint64_t{0} >> (63 - (width_ - 1) % 64);
-        for (std::size_t i = 0; i < words_.size(); ++i) {
-            const bool ends_row = (i + 1) % words_a_row_ == 0;
-            if (words_[i] != (ends_row ? last_word : ~std::uint64_t{0})) return false;
-        }
-        return true;
-    }
-
-private:
-    int first_row_;
-    int width_;
-    std::size_t words_a_row_;
-    std::vector<std::uint64_t> words_;
-};
 
 std::int64_t snapped(double coordinate, int origin) {
     return static_cast<std::int64_t>(std::floor((coordinate - origin) * static_cast<double>(subpixel_one) + 0.5));
@@ -93,9 +54,11 @@ RowRange SnappedMesh::rows_of(int triangle, const Eigen::MatrixX2d& rest) const 
 bool SnappedMesh::covers(RowRange band) const {
     CoverageBits bits(band, canvas_.width);
     for_each_triangle_in(band, [&](int triangle) {
-        for_each_span_of(triangle, band, [&](int row, int first, int last) { bits.set(row, first, last); });
+        for_each_span_of(triangle, band, [&](int row, int first, int last) { bits.add(row, first, last); });
     });
-    return bits.all();
+    bool all = true;
+    for (int row = band.first; row < band.last; ++row) bits.for_each_gap(row, [&](int, int) { all = false; });
+    return all;
 }
 
 bool SnappedMesh::covers_canvas() const {

@@ -19,8 +19,11 @@ namespace puppetwarp {
 
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Interpolation>, 3> interpolations{
-    {{"nearest", Interpolation::nearest}, {"bilinear", Interpolation::bilinear}, {"bicubic", Interpolation::bicubic}}};
+constexpr std::array<std::pair<std::string_view, Interpolation>, 4> interpolations{
+    {{"nearest", Interpolation::nearest},
+     {"bilinear", Interpolation::bilinear},
+     {"bicubic", Interpolation::bicubic},
+     {"lanczos3", Interpolation::lanczos3}}};
 
 // Far beyond any picture, and small enough for exact arithmetic with room to spare.
 constexpr double farthest_moved_px = 1 << 30;

@@ -63,7 +63,8 @@ void Batch::place(const Run& run) {
         return Run{run.u + begin * run.du, run.v + begin * run.dv, run.du, run.dv, end - begin};
     };
     const auto hold_place = [&](const Run& some) {
-        spans_.push_back({some.u, some.v, some.count, static_cast<int>(steps_.size())});
+        spans_.push_back(
+            {some.u, some.v, static_cast<int>(steps_.size()), 0, 0, static_cast<std::int16_t>(some.count)});
         steps_.push_back({some.du, some.dv});
         used_ += some.count;
     };
@@ -97,17 +98,21 @@ void Batch::sample_placed(const SampledView& view, int count) {
     view.sampler.sample(view.source, all, count, samples_.data());
 }
 
-void Batch::sample_inside(const SampledView& view, const Span* spans, int count, const Steps* steps) {
+void Batch::sample_inside(const SampledView& view, const Span* spans, int count, int pixels, const Steps* steps) {
     flush();
     view_ = &view;
     view.sampler.place(view.source, spans, count, steps, places());
-    int pixels = 0;
-    for (int i = 0; i < count; ++i) pixels += spans[i].count;
     sample_placed(view, pixels);
     const auto* from = static_cast<const std::uint8_t*>(stored(0, pixels, 1, nullptr));
+    const std::size_t pixel_bytes = format_.out_bytes();
     for (const Span* span = spans; span != spans + count; ++span) {
-        lay({span->row, span->first, span->count}, from);
-        from += static_cast<std::size_t>(span->count) * format_.out_bytes();
+        const std::size_t size = pixel_bytes * static_cast<std::size_t>(span->count);
+        if (overlaps_) {
+            lay({span->row, span->first, span->count}, from);
+        } else {
+            copy_bytes(address(span->row, span->first), from, size);
+        }
+        from += size;
     }
 }
 
@@ -155,7 +160,13 @@ const void* Batch::pixels_of(const Entry& entry) {
 }
 
 void Batch::lay(const Target& target, const void* pixels) {
-    std::uint8_t* to = out_.ptr(target.row) + static_cast<std::size_t>(target.first) * format_.out_bytes();
+    std::array<std::uint8_t, largest_pixel> part;
+    if (target.coverage < 1) {
+        std::memcpy(part.data(), pixels, format_.out_bytes());
+        ops_.fade(part.data(), target.coverage);
+        pixels = part.data();
+    }
+    std::uint8_t* to = address(target.row, target.first);
     if (overlaps_ && ops_.any_alpha != nullptr && ops_.any_alpha(to, target.count)) {
         ops_.over(pixels, to, target.count);
         return;

@@ -40,14 +40,15 @@ public:
     //! Where a span goes.
     struct Target {
         int row, first, count;
+        float coverage = 1;
     };
 
     //! Pixels of the source that are copied from (x, y) on.
     void copy(const Target& target, std::int64_t x, std::int64_t y);
     //! Pixels from runs of as many positions, the means of more than one: at most `capacity` samples in all.
     void sample(const SampledView& view, const Target& target, const Run* runs, int samples_a_pixel);
-    //! Pixels of spans that lie inside: at most `capacity` in all. Painted at once.
-    void sample_inside(const SampledView& view, const Span* spans, int count, const Steps* steps);
+    //! Spans that lie inside, of `pixels` in all, at most `capacity`. Painted at once.
+    void sample_inside(const SampledView& view, const Span* spans, int count, int pixels, const Steps* steps);
     void flush();
 
     //! Whether spans from here on may lie over what is painted already. If not, nothing is blended.
@@ -72,6 +73,10 @@ private:
     void sample_placed(const SampledView& view, int count);
     void fade_strays();
     const void* stored(int slot, int count, int samples_a_pixel, const float* fades);
+    std::uint8_t* address(int row, int first) {
+        return out_.data + out_.step[0] * static_cast<std::size_t>(row) +
+               format_.out_bytes() * static_cast<std::size_t>(first);
+    }
     void lay(const Target& target, const void* pixels);
 
     const PixelFormat format_;

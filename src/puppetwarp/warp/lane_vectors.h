@@ -13,31 +13,44 @@ namespace puppetwarp::detail {
 
 namespace {
 
+// Bytes as every lane has them.
+struct LaneBytes {
+    alignas(32) signed char at[32];
+};
+
+template <class Byte>
+constexpr LaneBytes lane_bytes(const Byte& byte) {
+    LaneBytes bytes{};
+    for (int i = 0; i < 32; ++i) bytes.at[i] = static_cast<signed char>(byte(i % 16));
+    return bytes;
+}
+
 #if defined(__SSE4_1__)
 
 struct OneLane {
     static constexpr int lanes = 1;
     __m128i v;
 
-    static OneLane repeated(__m128i lane) { return {lane}; }
+    static OneLane of(const LaneBytes& bytes) { return {_mm_load_si128(reinterpret_cast<const __m128i*>(bytes.at))}; }
+    static OneLane words(short value) { return {_mm_set1_epi16(value)}; }
+    static OneLane dwords(int value) { return {_mm_set1_epi32(value)}; }
     static OneLane load(const std::uint32_t* p) { return {_mm_loadu_si128(reinterpret_cast<const __m128i*>(p))}; }
     void store(std::uint32_t* p) const { _mm_storeu_si128(reinterpret_cast<__m128i*>(p), v); }
     __m128i lane(int) const { return v; }
 
-    // Of each address 16 bytes.
-    static OneLane gather16(const std::uint8_t* const* p, std::size_t offset) {
-        return {_mm_loadu_si128(reinterpret_cast<const __m128i*>(p[0] + offset))};
+    // Of each place 16 bytes.
+    static OneLane gather16(const std::uint8_t* data, const std::uint32_t* place) {
+        return {_mm_loadu_si128(reinterpret_cast<const __m128i*>(data + place[0]))};
     }
-    // Of each address 8 bytes, then 8 that lie `step` later.
-    static OneLane gather8(const std::uint8_t* const* p, std::size_t step) {
-        const __m128i upper = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(p[0]));
-        const __m128i lower = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(p[0] + step));
-        return {_mm_unpacklo_epi64(upper, lower)};
+    // Of each place 8 bytes of `upper`, then 8 of `lower`.
+    static OneLane gather8(const std::uint8_t* upper, const std::uint8_t* lower, const std::uint32_t* place) {
+        return {_mm_unpacklo_epi64(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(upper + place[0])),
+                                   _mm_loadl_epi64(reinterpret_cast<const __m128i*>(lower + place[0])))};
     }
-    // Of each address two words, repeated.
-    static OneLane gather_pair(const std::int16_t* const* p, int offset) {
+    // Of each place two words, repeated.
+    static OneLane gather_pair(const std::int16_t* table, const std::uint32_t* place) {
         int pair;
-        __builtin_memcpy(&pair, p[0] + offset, 4);
+        __builtin_memcpy(&pair, table + place[0], 4);
         return {_mm_set1_epi32(pair)};
     }
 };
@@ -112,26 +125,32 @@ struct TwoLanes {
     static constexpr int lanes = 2;
     __m256i v;
 
-    static TwoLanes repeated(__m128i lane) { return {_mm256_broadcastsi128_si256(lane)}; }
+    static TwoLanes of(const LaneBytes& bytes) {
+        return {_mm256_load_si256(reinterpret_cast<const __m256i*>(bytes.at))};
+    }
+    static TwoLanes words(short value) { return {_mm256_set1_epi16(value)}; }
+    static TwoLanes dwords(int value) { return {_mm256_set1_epi32(value)}; }
     static TwoLanes load(const std::uint32_t* p) { return {_mm256_loadu_si256(reinterpret_cast<const __m256i*>(p))}; }
     void store(std::uint32_t* p) const { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), v); }
     __m128i lane(int i) const { return i == 0 ? _mm256_castsi256_si128(v) : _mm256_extracti128_si256(v, 1); }
 
-    static TwoLanes gather16(const std::uint8_t* const* p, std::size_t offset) {
-        const __m128i first = _mm_loadu_si128(reinterpret_cast<const __m128i*>(p[0] + offset));
-        const __m128i second = _mm_loadu_si128(reinterpret_cast<const __m128i*>(p[1] + offset));
+    // The second lane's place is four further on.
+    static TwoLanes gather16(const std::uint8_t* data, const std::uint32_t* place) {
+        const __m128i first = _mm_loadu_si128(reinterpret_cast<const __m128i*>(data + place[0]));
+        const __m128i second = _mm_loadu_si128(reinterpret_cast<const __m128i*>(data + place[4]));
         return {_mm256_inserti128_si256(_mm256_castsi128_si256(first), second, 1)};
     }
     // Broadcasts and blends: they do without the shuffle units.
-    static TwoLanes gather8(const std::uint8_t* const* p, std::size_t step) {
-        const __m256i first = _mm256_blend_epi32(everywhere(p[0]), everywhere(p[0] + step), 0x0c);
-        const __m256i second = _mm256_blend_epi32(everywhere(p[1]), everywhere(p[1] + step), 0xc0);
+    static TwoLanes gather8(const std::uint8_t* upper, const std::uint8_t* lower, const std::uint32_t* place) {
+        const std::uint32_t p = place[0], q = place[4];
+        const __m256i first = _mm256_blend_epi32(everywhere(upper + p), everywhere(lower + p), 0x0c);
+        const __m256i second = _mm256_blend_epi32(everywhere(upper + q), everywhere(lower + q), 0xc0);
         return {_mm256_blend_epi32(first, second, 0xf0)};
     }
-    static TwoLanes gather_pair(const std::int16_t* const* p, int offset) {
+    static TwoLanes gather_pair(const std::int16_t* table, const std::uint32_t* place) {
         int first, second;
-        __builtin_memcpy(&first, p[0] + offset, 4);
-        __builtin_memcpy(&second, p[1] + offset, 4);
+        __builtin_memcpy(&first, table + place[0], 4);
+        __builtin_memcpy(&second, table + place[4], 4);
         return {_mm256_blend_epi32(_mm256_set1_epi32(first), _mm256_set1_epi32(second), 0xf0)};
     }
 

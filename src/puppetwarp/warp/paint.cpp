@@ -1,9 +1,12 @@
 #include <puppetwarp/warp/paint.h>
 
+#include <puppetwarp/warp/coverage_bits.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 namespace puppetwarp::detail {
@@ -14,6 +17,7 @@ constexpr int longest_run = 256;
 
 // So many rows of source and output at a time stay in the second cache.
 constexpr int strip_rows = 8;
+constexpr std::size_t usual_spans = 2048;  // of a strip of a large picture
 
 Source source_of(const cv::Mat& pixels, const PixelFormat& format) {
     Source source;
@@ -36,27 +40,33 @@ struct Painter::Part {
     bool simple = false;  // one sample a pixel, all taps inside
 };
 
-// The spans of a band's triangles, strip by strip; in each strip in the order of the triangles. Those of simple parts
-// have their positions.
+// Some rows, and what is painted there, in the order of the triangles.
+struct Painter::Strip {
+    RowRange rows;
+    std::vector<Span> spans;  // `inside` with positions, `border` with the pixel's index for u
+    CoverageBits covered;     // kept for outputs with alpha only
+    bool overlaps = false;
+};
+
 struct Painter::Plan {
     RowRange band;
     std::vector<Part> parts;
     std::vector<Steps> steps;
-    std::vector<std::vector<Span>> strips;
+    std::vector<BorderPixel> border;
+    std::vector<Strip> strips;
 
-    RowRange rows(std::size_t strip) const {
-        const int first = band.first + strip_rows * static_cast<int>(strip);
-        return {first, std::min(first + strip_rows, band.last)};
-    }
+    Strip& strip(int row) { return strips[static_cast<std::size_t>((row - band.first) / strip_rows)]; }
 };
 
 Painter::Painter(const cv::Mat& pixels, const PixelFormat& format, const TriangleMesh& rest,
-                 const Eigen::MatrixX2d& moved, const SnappedMesh& spans, const WarpOptions& options, Simd simd,
+                 const Eigen::MatrixX2d& moved, const Layout& layout, const WarpOptions& options, Simd simd,
                  cv::Mat& out)
     : format_(format),
       rest_(rest),
       moved_(moved),
-      spans_(spans),
+      mesh_(layout.mesh),
+      border_(layout.border),
+      counts_layers_(format.out_has_alpha() && !layout.one_layer),
       canvas_(options.canvas),
       interpolation_(options.interpolation),
       samplers_(find_samplers(format, options.interpolation, false, simd)),
@@ -74,41 +84,57 @@ std::ptrdiff_t Painter::bytes_ahead(const FaceMap& map) const {
            static_cast<std::ptrdiff_t>(steps(0)) * static_cast<std::ptrdiff_t>(format_.source_bytes());
 }
 
-void Painter::copy_span(const Part& part, const Span& span, Batch& batch) const {
-    // In 64 bits: triangles far away have long shifts.
-    const std::int64_t shift_x = std::int64_t{part.map.shift().x()} - canvas_.x;
-    const std::int64_t shift_y = std::int64_t{part.map.shift().y()} - canvas_.y;
-    batch.copy({span.row, span.first, span.count}, span.first - shift_x, span.row - shift_y);
+// The place of a border pixel's sample: its centre, or the nearest point of its triangle.
+Eigen::Vector2d Painter::sampled_centre(const BorderPixel& pixel) const {
+    const Eigen::Vector2d centre(centre_x(pixel.x), centre_y(pixel.row));
+    if (pixel.holds_centre) return centre;
+    Eigen::Vector2d nearest = centre;
+    double least = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) {
+        const Eigen::Vector2d a = moved_.row(rest_.F(pixel.triangle, k));
+        const Eigen::Vector2d ab = moved_.row(rest_.F(pixel.triangle, (k + 1) % 3)).transpose() - a;
+        const double length = ab.squaredNorm();
+        const double t = length > 0 ? std::clamp((centre - a).dot(ab) / length, 0.0, 1.0) : 0;
+        const Eigen::Vector2d p = a + t * ab;
+        if ((centre - p).squaredNorm() >= least) continue;
+        least = (centre - p).squaredNorm();
+        nearest = p;
+    }
+    return nearest;
 }
 
-void Painter::sample_span(const Part& part, const Span& span, Batch& batch) const {
-    const Run run = part.map.run(centre_x(span.first), centre_y(span.row), span.count);
-    batch.sample(single_, {span.row, span.first, span.count}, &run, 1);
-}
-
-// With the triangle's map also where a pixel's square reaches over its edges.
-void Painter::supersample_span(const Part& part, const Span& span, Batch& batch) const {
+// Several samples: with the triangle's map also where a pixel's square reaches over its edges.
+void Painter::sample(const Part& part, double x, double y, const Batch::Target& target, Batch& batch) const {
     const Footprint& shape = part.footprint;
-    constexpr int longest = Batch::capacity / most_samples;
+    const int samples = shape.samples();
+    const int longest = samples == 1 ? target.count : Batch::capacity / most_samples;
     std::array<Run, most_samples> runs;
-    for (int done = 0; done < span.count; done += longest) {
-        const int count = std::min(longest, span.count - done), x = span.first + done;
-        for (int k = 0; k < shape.samples(); ++k) {
+    for (int done = 0; done < target.count; done += longest) {
+        const int count = std::min(longest, target.count - done);
+        for (int k = 0; k < samples; ++k) {
             const double i = k % shape.nx - 0.5 * (shape.nx - 1), j = k / shape.nx - 0.5 * (shape.ny - 1);
-            runs[static_cast<std::size_t>(k)] =
-                part.map.run(centre_x(x) + i * shape.dx_px, centre_y(span.row) + j * shape.dy_px, count);
+            runs[static_cast<std::size_t>(k)] = part.map.run(x + done + i * shape.dx_px, y + j * shape.dy_px, count);
         }
-        batch.sample(several_, {span.row, x, count}, runs.data(), shape.samples());
+        batch.sample(samples == 1 ? single_ : several_, {target.row, target.first + done, count, target.coverage},
+                     runs.data(), samples);
     }
 }
 
-void Painter::paint_span(const Part& part, const Span& span, Batch& batch) const {
-    if (part.map.is_copy()) {
-        copy_span(part, span, batch);
-    } else if (part.footprint.samples() == 1) {
-        sample_span(part, span, batch);
+void Painter::paint_span(const Plan& plan, const Span& span, Batch& batch) const {
+    const Part& part = plan.parts[static_cast<std::size_t>(span.steps)];
+    Batch::Target target{span.row, span.first, span.count};
+    if (span.kind == Span::Kind::border) {
+        const BorderPixel& pixel = plan.border[static_cast<std::size_t>(span.u)];
+        const Eigen::Vector2d centre = sampled_centre(pixel);
+        target.coverage = pixel.coverage;
+        sample(part, centre.x(), centre.y(), target, batch);
+    } else if (part.map.is_copy()) {
+        // In 64 bits: triangles far away have long shifts.
+        const std::int64_t x = std::int64_t{span.first} + canvas_.x - part.map.shift().x();
+        const std::int64_t y = std::int64_t{span.row} + canvas_.y - part.map.shift().y();
+        batch.copy(target, x, y);
     } else {
-        supersample_span(part, span, batch);
+        sample(part, centre_x(span.first), centre_y(span.row), target, batch);
     }
 }
 
@@ -119,60 +145,97 @@ Painter::Part Painter::part_of(int triangle) const {
     return part;
 }
 
-void Painter::add_spans(int triangle, RowRange band, Plan& plan) const {
-    const int index = static_cast<int>(plan.parts.size());
+void Painter::add_span(const Part& part, int row, int first, int last, Plan& plan) const {
+    Strip& strip = plan.strip(row);
+    if (counts_layers_ && first < last) strip.overlaps |= strip.covered.add(row, first, last);
+    const int steps = static_cast<int>(plan.steps.size()) - 1;
+    for (int x = first; x < last; x += longest_run) {
+        const auto count = static_cast<std::int16_t>(std::min(longest_run, last - x));
+        if (part.simple) {
+            const Run run = part.map.run(centre_x(x), centre_y(row), count);
+            const std::int64_t shift = single_.sampler.shift;
+            strip.spans.push_back({run.u + shift, run.v + shift, steps, row, x, count, Span::Kind::inside});
+        } else {
+            strip.spans.push_back({0, 0, steps, row, x, count, Span::Kind::anywhere});
+        }
+    }
+}
+
+void Painter::add_border(const BorderPixel& pixel, Plan& plan) const {
+    Strip& strip = plan.strip(pixel.row);
+    strip.overlaps |= strip.covered.add(pixel.row, pixel.x, pixel.x + 1);
+    const int steps = static_cast<int>(plan.steps.size()) - 1;
+    strip.spans.push_back(
+        {static_cast<std::int64_t>(plan.border.size()), 0, steps, pixel.row, pixel.x, 1, Span::Kind::border});
+    plan.border.push_back(pixel);
+}
+
+void Painter::add_triangle(int triangle, Plan& plan) const {
     const Part part = part_of(triangle);
     plan.parts.push_back(part);
     plan.steps.push_back(part.map.steps());
     plan.steps.back().ahead = bytes_ahead(part.map);
-    const std::int64_t shift = single_.sampler.shift;
-    spans_.for_each_span_of(triangle, band, [&](int row, int first, int last) {
-        std::vector<Span>& strip = plan.strips[static_cast<std::size_t>((row - band.first) / strip_rows)];
-        for (int x = first; x < last; x += longest_run) {
-            const int count = std::min(longest_run, last - x);
-            Span span{0, 0, count, index, row, x};
-            if (part.simple) {
-                const Run run = part.map.run(centre_x(x), centre_y(row), count);
-                span.u = run.u + shift;
-                span.v = run.v + shift;
-            }
-            strip.push_back(span);
+    // What is copied stays as it is, up to the last pixel.
+    const std::span<const BorderPixel> border =
+        part.map.is_copy() ? std::span<const BorderPixel>() : border_.of(triangle);
+    mesh_.for_each_span_of(triangle, plan.band, [&](int row, int first, int last) {
+        for (const BorderPixel& pixel : border) {
+            if (pixel.row != row || !pixel.holds_centre) continue;
+            add_span(part, row, first, pixel.x, plan);
+            add_border(pixel, plan);
+            first = pixel.x + 1;
         }
+        add_span(part, row, first, last, plan);
     });
+    for (const BorderPixel& pixel : border) {
+        const bool in_band = pixel.row >= plan.band.first && pixel.row < plan.band.last;
+        if (!pixel.holds_centre && in_band) add_border(pixel, plan);
+    }
 }
 
 Painter::Plan Painter::planned(RowRange band) const {
     Plan plan;
     plan.band = band;
-    plan.strips.resize(static_cast<std::size_t>(band.last - band.first - 1) / strip_rows + 1);
-    spans_.for_each_triangle_in(band, [&](int triangle) { add_spans(triangle, band, plan); });
+    for (int row = band.first; row < band.last; row += strip_rows) {
+        const RowRange rows{row, std::min(row + strip_rows, band.last)};
+        plan.strips.push_back({rows, {}, CoverageBits(rows, counts_layers_ ? canvas_.width : 0)});
+        plan.strips.back().spans.reserve(usual_spans);
+    }
+    mesh_.for_each_triangle_in(band, [&](int triangle) { add_triangle(triangle, plan); });
     return plan;
 }
 
-void Painter::clear(RowRange rows) const {
-    for (int row = rows.first; row < rows.last; ++row) {
-        std::memset(out_.ptr(row), 0, format_.out_bytes() * static_cast<std::size_t>(canvas_.width));
+// Where one span lies over another everything is blended with what is there; else each pixel is written once.
+void Painter::clear(const Strip& strip) const {
+    const auto clear_pixels = [&](int row, int first, int last) {
+        std::memset(out_.ptr(row) + format_.out_bytes() * static_cast<std::size_t>(first), 0,
+                    format_.out_bytes() * static_cast<std::size_t>(last - first));
+    };
+    for (int row = strip.rows.first; row < strip.rows.last; ++row) {
+        if (strip.overlaps) {
+            clear_pixels(row, 0, canvas_.width);
+        } else {
+            strip.covered.for_each_gap(row, [&](int first, int last) { clear_pixels(row, first, last); });
+        }
     }
 }
 
-void Painter::paint_strip(const Plan& plan, std::size_t strip, Batch& batch) const {
-    if (format_.out_has_alpha()) clear(plan.rows(strip));
-    const std::vector<Span>& spans = plan.strips[strip];
-    const auto part = [&](std::size_t i) -> const Part& {
-        return plan.parts[static_cast<std::size_t>(spans[i].steps)];
-    };
+void Painter::paint_strip(const Plan& plan, const Strip& strip, Batch& batch) const {
+    if (counts_layers_) clear(strip);
+    batch.expect_overlaps(strip.overlaps);
+    const std::vector<Span>& spans = strip.spans;
     for (std::size_t i = 0; i < spans.size();) {
-        if (!part(i).simple) {
-            paint_span(part(i), spans[i], batch);
-            ++i;
-            continue;
-        }
         std::size_t end = i;
         int pixels = 0;
-        while (end < spans.size() && part(end).simple && pixels + spans[end].count <= Batch::capacity) {
+        while (end < spans.size() && spans[end].kind == Span::Kind::inside &&
+               pixels + spans[end].count <= Batch::capacity) {
             pixels += spans[end++].count;
         }
-        batch.sample_inside(single_, &spans[i], static_cast<int>(end - i), plan.steps.data());
+        if (end == i) {
+            paint_span(plan, spans[end++], batch);
+        } else {
+            batch.sample_inside(single_, &spans[i], static_cast<int>(end - i), pixels, plan.steps.data());
+        }
         i = end;
     }
     batch.flush();
@@ -181,7 +244,7 @@ void Painter::paint_strip(const Plan& plan, std::size_t strip, Batch& batch) con
 void Painter::paint(RowRange band) const {
     const Plan plan = planned(band);
     Batch batch(format_, ops_, samplers_.store, single_.source, out_);
-    for (std::size_t strip = 0; strip < plan.strips.size(); ++strip) paint_strip(plan, strip, batch);
+    for (const Strip& strip : plan.strips) paint_strip(plan, strip, batch);
 }
 
 }  // namespace puppetwarp::detail

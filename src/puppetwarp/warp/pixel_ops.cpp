@@ -104,13 +104,21 @@ void over(const void* front, void* back, int count) {
     for (int i = 0; i < count; ++i) pixel_over<T, C>(from + C * i, to + C * i);
 }
 
+template <class T, int C>
+void fade(void* pixel, float coverage) {
+    T* p = static_cast<T*>(pixel);
+    p[C - 1] = rounded<T>(static_cast<float>(p[C - 1]) * coverage);
+    if (p[C - 1] == 0) std::fill_n(p, C, T{});
+}
+
 template <class T, int C, bool AddsAlpha>
 PixelOps ops() {
     constexpr int out = C + AddsAlpha;
-    PixelOps result{copy<T, C, AddsAlpha>, nullptr, nullptr};
+    PixelOps result{copy<T, C, AddsAlpha>, nullptr, nullptr, nullptr};
     if constexpr (out % 2 == 0) {
         result.any_alpha = any_alpha<T, out>;
         result.over = over<T, out>;
+        result.fade = fade<T, out>;
     }
     return result;
 }

@@ -70,9 +70,10 @@ struct Steps {
 //! A run of a triangle, and where in the output it goes.
 struct Span {
     std::int64_t u = 0, v = 0;
-    int count = 0;
     int steps = 0;  //!< index of the triangle's
     int row = 0, first = 0;
+    std::int16_t count = 0;
+    enum class Kind : std::int16_t { inside, anywhere, border } kind = Kind::inside;  //!< for who paints
 };
 
 //! Positions whose taps all lie inside the picture: index of the channel with which the first tap begins, and

@@ -25,7 +25,11 @@ SnappedMesh::SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved
         points_.push_back({snapped(moved(i, 0), canvas.x), snapped(moved(i, 1), canvas.y)});
     }
     rows_.reserve(static_cast<std::size_t>(rest.F.rows()));
-    for (int triangle = 0; triangle < rest.F.rows(); ++triangle) rows_.push_back(rows_of(triangle, rest.V));
+    drawn_.reserve(rows_.capacity());
+    for (int triangle = 0; triangle < rest.F.rows(); ++triangle) {
+        drawn_.push_back(keeps_orientation(triangle, rest.V) ? 1 : 0);
+        rows_.push_back(rows_of(triangle));
+    }
     block_rows_.resize((rows_.size() + block_triangles - 1) / block_triangles);
     for (std::size_t i = 0; i < rows_.size(); ++i) {
         if (rows_[i].first >= rows_[i].last) continue;
@@ -35,15 +39,18 @@ SnappedMesh::SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved
     }
 }
 
-RowRange SnappedMesh::rows_of(int triangle, const Eigen::MatrixX2d& rest) const {
-    const SnappedPoint a = corner(triangle, 0), b = corner(triangle, 1), c = corner(triangle, 2);
+bool SnappedMesh::keeps_orientation(int triangle, const Eigen::MatrixX2d& rest) const {
     const Eigen::RowVector2d p = rest.row(faces_(triangle, 0));
     const Eigen::RowVector2d ab = rest.row(faces_(triangle, 1)) - p;
     const Eigen::RowVector2d ac = rest.row(faces_(triangle, 2)) - p;
     const double rest_area = ab.x() * ac.y() - ab.y() * ac.x();
-    const Int128 area = snapped_double_area(a, b, c);
-    const bool kept = (area > 0 && rest_area > 0) || (area < 0 && rest_area < 0);
-    if (!kept) return {};
+    const Int128 area = snapped_double_area(corner(triangle, 0), corner(triangle, 1), corner(triangle, 2));
+    return (area > 0 && rest_area > 0) || (area < 0 && rest_area < 0);
+}
+
+RowRange SnappedMesh::rows_of(int triangle) const {
+    const SnappedPoint a = corner(triangle, 0), b = corner(triangle, 1), c = corner(triangle, 2);
+    if (!drawn(triangle)) return {};
     if (std::max({a.x, b.x, c.x}) <= 0 || std::min({a.x, b.x, c.x}) >= canvas_.width * subpixel_one) return {};
     const auto clamped = [&](std::int64_t row) {
         return static_cast<int>(std::clamp<std::int64_t>(row, 0, canvas_.height));
@@ -59,6 +66,14 @@ bool SnappedMesh::covers(RowRange band) const {
     bool all = true;
     for (int row = band.first; row < band.last; ++row) bits.for_each_gap(row, [&](int, int) { all = false; });
     return all;
+}
+
+int SnappedMesh::layers_on_first_pixel() const {
+    int layers = 0;
+    for_each_triangle_in({0, 1}, [&](int triangle) {
+        for_each_span_of(triangle, {0, 1}, [&](int, int first, int) { layers += first == 0 ? 1 : 0; });
+    });
+    return layers;
 }
 
 bool SnappedMesh::covers_canvas() const {

@@ -147,10 +147,17 @@ Image detail::warp_with(Simd simd, const Image& image, const TriangleMesh& rest,
     const Eigen::MatrixX2d near_moved = moved.cwiseMax(-farthest_moved_px).cwiseMin(farthest_moved_px);
     const SnappedMesh spans(near_rest, near_moved, chosen.canvas);
     PixelFormat format{image.pixels.depth(), image.pixels.channels(), false};
-    format.adds_alpha = !image.has_alpha() && !spans.covers_canvas();
+    const std::vector<BorderEdge> edges = border_edges(near_rest.F, spans);
+    const bool smooth = options.interpolation != Interpolation::nearest;
+    const BorderPixels border = smooth ? BorderPixels(near_rest.F, spans, edges) : BorderPixels();
+    // How many triangles hold a pixel changes at borders only.
+    const int layers = edges.empty() ? spans.layers_on_first_pixel() : -1;
+    const bool covered = edges.empty() ? layers > 0 : border.empty() && spans.covers_canvas();
+    format.adds_alpha = !image.has_alpha() && !covered;
 
     Image result{allocated(chosen.canvas, CV_MAKETYPE(format.depth, format.out_channels())), image.metadata};
-    const Painter painter(image.pixels, format, near_rest, near_moved, spans, chosen, simd, result.pixels);
+    const Painter painter(image.pixels, format, near_rest, near_moved, {spans, border, layers == 1}, chosen, simd,
+                          result.pixels);
     paint_all(painter, chosen.canvas, progress);
     return result;
 }

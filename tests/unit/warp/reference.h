@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <utility>
 #include <vector>
 
 // A second warp, slow and obvious: every pixel centre is tried against every triangle, everything is double and
@@ -20,13 +22,15 @@ public:
     Reference(const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const WarpOptions& options)
         : image_(image), rest_(rest), moved_(moved), options_(options) {
         if (options_.canvas.width == 0) options_.canvas = {0, 0, image.width(), image.height()};
+        find_border();
     }
 
     //! Premultiplied, alpha in [0, 1], colour in the picture's numbers. [4] is set where an edge passes too near for
-    //! floating point to decide.
+    //! floating point to decide, and in pixels that the mesh may cover in part.
     Premultiplied at(int column, int row) const {
         const double x = options_.canvas.x + column + 0.5, y = options_.canvas.y + row + 0.5;
         Premultiplied below{};
+        if (near_border({x, y})) below[4] = 1;
         for (Eigen::Index f = 0; f < rest_.F.rows(); ++f) {
             const Corners to = corners(moved_, f), from = corners(rest_, f);
             const double area = cross(to, 0, 1, to[2]), rest_area = cross(from, 0, 1, from[2]);
@@ -47,6 +51,33 @@ public:
 
 private:
     using Corners = std::array<Eigen::Vector2d, 3>;
+
+    bool drawn(Eigen::Index f) const {
+        const Corners to = corners(moved_, f), from = corners(rest_, f);
+        return cross(to, 0, 1, to[2]) * cross(from, 0, 1, from[2]) > 0;
+    }
+
+    // Edges with one drawn triangle.
+    void find_border() {
+        std::map<std::pair<int, int>, int> triangles;
+        for (Eigen::Index f = 0; f < rest_.F.rows(); ++f) {
+            for (int k = 0; k < 3 && drawn(f); ++k) {
+                ++triangles[std::minmax({rest_.F(f, k), rest_.F(f, (k + 1) % 3)})];
+            }
+        }
+        for (const auto& [edge, count] : triangles) {
+            if (count == 1) border_.push_back(edge);
+        }
+    }
+
+    bool near_border(const Eigen::Vector2d& p) const {
+        if (options_.interpolation == Interpolation::nearest) return false;
+        return std::any_of(border_.begin(), border_.end(), [&](const std::pair<int, int>& edge) {
+            const Eigen::Vector2d a = moved_.row(edge.first), ab = moved_.row(edge.second).transpose() - a;
+            const double t = std::clamp((p - a).dot(ab) / std::max(ab.squaredNorm(), 1e-300), 0.0, 1.0);
+            return (a + t * ab - p).norm() < 0.75;
+        });
+    }
 
     Corners corners(const TriangleMesh& mesh, Eigen::Index f) const { return corners(mesh.V, f); }
     Corners corners(const Eigen::MatrixX2d& V, Eigen::Index f) const {
@@ -179,6 +210,7 @@ private:
     const TriangleMesh& rest_;
     const Eigen::MatrixX2d& moved_;
     WarpOptions options_;
+    std::vector<std::pair<int, int>> border_;
 };
 
 }  // namespace puppetwarp::testing

@@ -17,6 +17,18 @@ double within(double value, double low, double high) {
 
 }  // namespace
 
+Eigen::Matrix2d linear_part(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, int triangle) {
+    const Eigen::Vector3i face = rest.F.row(triangle);
+    const Eigen::RowVector2d a = moved.row(face[1]) - moved.row(face[0]), b = moved.row(face[2]) - moved.row(face[0]);
+    const Eigen::RowVector2d c = rest.V.row(face[1]) - rest.V.row(face[0]);
+    const Eigen::RowVector2d d = rest.V.row(face[2]) - rest.V.row(face[0]);
+    const double area = a.x() * b.y() - a.y() * b.x();
+    Eigen::Matrix2d jacobian;
+    jacobian << c.x() * b.y() - d.x() * a.y(), d.x() * a.x() - c.x() * b.x(),  //
+        c.y() * b.y() - d.y() * a.y(), d.y() * a.x() - c.y() * b.x();
+    return jacobian * (area == 0 ? 0 : 1 / area);
+}
+
 FaceMap::FaceMap(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, int triangle) {
     const Eigen::Vector3i face = rest.F.row(triangle);
     const Eigen::Vector2d p = moved.row(face[0]), q = rest.V.row(face[0]);
@@ -30,11 +42,7 @@ FaceMap::FaceMap(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, int tr
     shift_ = offset.cast<int>();
     anchor_ = p;
     rest_anchor_ = q;
-    const Eigen::Vector2d a = p1 - p, b = p2 - p, c = q1 - q, d = q2 - q;
-    const double area = a.x() * b.y() - a.y() * b.x();
-    jacobian_ << c.x() * b.y() - d.x() * a.y(), d.x() * a.x() - c.x() * b.x(),  //
-        c.y() * b.y() - d.y() * a.y(), d.y() * a.x() - c.y() * b.x();
-    jacobian_ *= area == 0 ? 0 : 1 / area;
+    jacobian_ = linear_part(rest, moved, triangle);
     ill_conditioned_ = !(jacobian_.lpNorm<Eigen::Infinity>() <= steepest_sound_slope);
     if (!ill_conditioned_) {
         du_ = fixed_point(jacobian_(0, 0));

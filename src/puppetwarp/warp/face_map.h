@@ -16,6 +16,10 @@ struct ViewFrame {
     double size = 1;
 };
 
+//! The linear part of the map of one triangle, from moved to rest positions: columns are what a step of one pixel to
+//! the right, and down, is in the source. 0 for a triangle without area.
+Eigen::Matrix2d linear_part(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, int triangle);
+
 //! The affine map of one triangle, from moved to rest positions.
 class FaceMap {
 public:
@@ -25,7 +29,7 @@ public:
     bool is_copy() const { return is_copy_; }
     Eigen::Vector2i shift() const { return shift_; }
 
-    //! Its linear part: columns are what a step of one pixel to the right, and down, is in the source.
+    //! Its linear part.
     const Eigen::Matrix2d& jacobian() const { return jacobian_; }
 
     //! Positions in the source of pixels side by side.

@@ -58,13 +58,12 @@ struct ClampedTaps {
 template <class Codec, int N, class Taps>
 bool opaque(const Taps& tap) {
     if constexpr (!Codec::has_alpha) return true;
-    bool all = true;
     for (int row = 0; row < N; ++row) {
         for (int column = 0; column < N; ++column) {
-            all &= tap(row, column)[Codec::channels - 1] == Codec::full_value;
+            if (tap(row, column)[Codec::channels - 1] != Codec::full_value) return false;
         }
     }
-    return all;
+    return true;
 }
 
 //! Alpha's factor outside the picture.

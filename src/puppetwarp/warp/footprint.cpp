@@ -9,6 +9,7 @@ namespace puppetwarp::detail {
 namespace {
 
 constexpr int most_a_row = 4;
+constexpr double farthest_step = 1 << 14;
 
 struct Comb {
     int samples = 1;
@@ -46,6 +47,7 @@ Footprint footprint(const Eigen::Matrix2d& jacobian, Interpolation interpolation
     constexpr double limit = single_sample_limit * single_sample_limit;
     const double a2 = jacobian.col(0).squaredNorm(), b2 = jacobian.col(1).squaredNorm();
     if (interpolation == Interpolation::nearest || !(a2 > limit || b2 > limit)) return {};
+    if (!(a2 + b2 < farthest_step * farthest_step)) return {};
     const double a = std::sqrt(a2), b = std::sqrt(b2);
     Footprint result;
     for (int level = 0; level <= top_level; ++level) {

@@ -30,7 +30,7 @@ struct Footprint {
 inline constexpr int most_samples = 16;
 inline constexpr double single_sample_limit = 1.5;
 
-//! \param jacobian   of the map from the output to the source.
+//! \param jacobian   of the map from the output to the source. Beyond 2^14 it says nothing: one sample.
 //! \param top_level  the highest there is.
 Footprint footprint(const Eigen::Matrix2d& jacobian, Interpolation interpolation, int top_level);
 

@@ -194,21 +194,42 @@ std::uint64_t sample_groups(const Source& source, const Places& places, int grou
     return translucent;
 }
 
+using Blend = void (*)(const Source& source, const Places& places, int count, void* samples);
+
+// What blends translucent taps with vectors V, where that is not portable code.
+template <class V>
+struct BlendOf {
+    template <int C>
+    static Blend filter(Interpolation) {
+        return nullptr;
+    }
+};
+
+// Sampled pixels in groups whose taps are not all opaque.
+template <class V, class Filter, int C>
+void replace_translucent(const Source& source, const Places& places, int count, std::uint64_t groups,
+                         std::uint8_t* out) {
+    TranslucentPixels translucent = translucent_pixels(C, Filter::interpolation);
+    if (const Blend blend = BlendOf<V>::template filter<C>(Filter::interpolation)) translucent.blend = blend;
+    alignas(32) float samples[4 * (group_size<V> + places_padding)];
+    for (; groups != 0; groups &= groups - 1) {
+        const int first = __builtin_ctzll(groups) * group_size<V>;
+        const int length = count - first < group_size<V> ? count - first : group_size<V>;
+        translucent.blend(source, places + first, length, samples);
+        translucent.replace(source, places + first, length, samples, out + C * first);
+    }
+}
+
 template <class V, class Filter, int C>
 void sample_lanes(const Source& source, const Places& places, int count, void* out) {
     constexpr int chunk = 64 * group_size<V>;
     const int out_channels = C + source.adds_alpha;
     for (int done = 0; done < count; done += chunk) {
         const int left = count - done < chunk ? count - done : chunk;
-        const Places some = places + done;
         std::uint8_t* pixels = static_cast<std::uint8_t*>(out) + out_channels * done;
         const int groups = (left + group_size<V> - 1) / group_size<V>;
-        std::uint64_t translucent = sample_groups<V, Filter, C>(source, some, groups, pixels);
-        for (; C % 2 == 0 && translucent != 0; translucent &= translucent - 1) {
-            const int first = __builtin_ctzll(translucent) * group_size<V>;
-            const int length = left - first < group_size<V> ? left - first : group_size<V>;
-            translucent_sampler(C, Filter::interpolation)(source, some + first, length, pixels + out_channels * first);
-        }
+        const std::uint64_t translucent = sample_groups<V, Filter, C>(source, places + done, groups, pixels);
+        if (C % 2 == 0) replace_translucent<V, Filter, C>(source, places + done, left, translucent, pixels);
     }
 }
 

@@ -1,5 +1,6 @@
 #include <puppetwarp/warp/paint.h>
 
+#include <puppetwarp/base/threads.h>
 #include <puppetwarp/warp/coverage_bits.h>
 
 #include <algorithm>
@@ -30,6 +31,26 @@ Source source_of(const cv::Mat& pixels, const PixelFormat& format) {
     source.adds_alpha = format.adds_alpha;
     return source;
 }
+
+// Levels that triangles need, and the box around these triangles at rest.
+struct Needed {
+    int levels = 0;
+    Eigen::RowVector2d low = Eigen::RowVector2d::Constant(std::numeric_limits<double>::max());
+    Eigen::RowVector2d high = -low;
+
+    void add(const TriangleMesh& rest, int triangle, int level) {
+        levels = std::max(levels, level);
+        for (int k = 0; k < 3; ++k) {
+            low = low.cwiseMin(rest.V.row(rest.F(triangle, k)));
+            high = high.cwiseMax(rest.V.row(rest.F(triangle, k)));
+        }
+    }
+    void add(const Needed& other) {
+        levels = std::max(levels, other.levels);
+        low = low.cwiseMin(other.low);
+        high = high.cwiseMax(other.high);
+    }
+};
 
 }  // namespace
 
@@ -73,7 +94,37 @@ Painter::Painter(const cv::Mat& pixels, const PixelFormat& format, const Triangl
       single_(source_of(pixels, format), samplers_.single),
       several_(single_.source, samplers_.several),
       ops_(find_pixel_ops(format)),
-      out_(out) {}
+      out_(out) {
+    find_levels(simd);
+}
+
+// The levels that some triangle needs, of the part of the picture where it needs them.
+void Painter::find_levels(Simd simd) {
+    const int highest = highest_level(single_.source.width, single_.source.height);
+    constexpr int block = 1024;
+    std::vector<Needed> needed(static_cast<std::size_t>(mesh_.triangle_count() / block + 1));
+    parallel_for(0, mesh_.triangle_count(), block, [&](int first, int last) {
+        for (int triangle = first; triangle < last; ++triangle) {
+            const RowRange rows = mesh_.rows(triangle);
+            if (rows.first >= rows.last) continue;
+            const int level = footprint(linear_part(rest_, moved_, triangle), interpolation_, highest).level;
+            if (level > 0) needed[static_cast<std::size_t>(first / block)].add(rest_, triangle, level);
+        }
+    });
+    for (const Needed& some : needed) needed.front().add(some);
+    const auto [levels, low, high] = needed.front();
+    if (levels == 0) return;
+    const auto pixel = [](double x, int size) {
+        return static_cast<int>(std::clamp<double>(std::floor(x), 0, size - 1));
+    };
+    const Source& source = single_.source;
+    const PixelBox box{pixel(low.x(), source.width), pixel(low.y(), source.height), pixel(high.x(), source.width) + 1,
+                       pixel(high.y(), source.height) + 1};
+    pyramid_ = Pyramid(source, samplers_.read, box, levels);
+    for (int level = 1; level <= levels; ++level) {
+        levels_.emplace_back(pyramid_.level(level), level_sampler(source.channels, interpolation_, simd));
+    }
+}
 
 // From what a triangle reads to what it reads a strip further down: the memory is asked for in time.
 std::ptrdiff_t Painter::bytes_ahead(const FaceMap& map) const {
@@ -101,6 +152,11 @@ Eigen::Vector2d Painter::sampled_centre(const BorderPixel& pixel) const {
         nearest = p;
     }
     return nearest;
+}
+
+const SampledView& Painter::view_of(const Footprint& shape) const {
+    if (shape.level > 0) return levels_[static_cast<std::size_t>(shape.level) - 1];
+    return shape.samples() == 1 ? single_ : several_;
 }
 
 // Several samples: with the triangle's map also where a pixel's square reaches over its edges.
@@ -140,8 +196,8 @@ void Painter::paint_span(const Plan& plan, const Span& span, Batch& batch) const
 
 Painter::Part Painter::part_of(int triangle) const {
     const FaceMap map(rest_, moved_, triangle);
-    Part part{map, footprint(map.jacobian(), interpolation_, 0)};
-    part.simple = !map.is_copy() && part.footprint.samples() == 1 && single_.holds(map);
+    Part part{map, footprint(map.jacobian(), interpolation_, pyramid_.top_level())};
+    part.simple = !map.is_copy() && part.footprint.level == 0 && part.footprint.samples() == 1 && single_.holds(map);
     return part;
 }
 

@@ -5,6 +5,7 @@
 #include <puppetwarp/warp/border.h>
 #include <puppetwarp/warp/face_map.h>
 #include <puppetwarp/warp/footprint.h>
+#include <puppetwarp/warp/pyramid.h>
 #include <puppetwarp/warp/spans.h>
 
 namespace puppetwarp::detail {
@@ -42,8 +43,10 @@ private:
     void clear(const Strip& strip) const;
     void paint_strip(const Plan& plan, const Strip& strip, Batch& batch) const;
     void paint_span(const Plan& plan, const Span& span, Batch& batch) const;
+    const SampledView& view_of(const Footprint& shape) const;
     void sample(const Part& part, double x, double y, const Batch::Target& target, Batch& batch) const;
     Eigen::Vector2d sampled_centre(const BorderPixel& pixel) const;
+    void find_levels(Simd simd);
     std::ptrdiff_t bytes_ahead(const FaceMap& map) const;
     double centre_x(int column) const { return static_cast<double>(canvas_.x) + column + 0.5; }
     double centre_y(int row) const { return static_cast<double>(canvas_.y) + row + 0.5; }
@@ -59,6 +62,8 @@ private:
     Samplers samplers_;
     SampledView single_;
     SampledView several_;
+    Pyramid pyramid_;
+    std::vector<SampledView> levels_;
     PixelOps ops_;
     cv::Mat& out_;
 };

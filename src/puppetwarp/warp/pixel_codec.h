@@ -56,6 +56,30 @@ T rounded(float value) {
     }
 }
 
+//! Stores channels: whole numbers rounded and clamped.
+template <class T, int C>
+void store_rounded(Four value, T* out) {
+#if defined(__SSE2__)
+    if constexpr (!std::is_floating_point_v<T>) {
+        const auto full = static_cast<float>(std::numeric_limits<T>::max());
+        const __m128 raised = _mm_max_ps(_mm_add_ps(__m128(value), _mm_set1_ps(0.5F)), _mm_setzero_ps());
+        __m128i whole = _mm_cvttps_epi32(_mm_min_ps(raised, _mm_set1_ps(full)));
+        if constexpr (sizeof(T) == 1) {
+            whole = _mm_packs_epi32(whole, whole);
+            whole = _mm_packus_epi16(whole, whole);
+        } else {
+            // Without sign they have 16 bits, which the instruction does not keep.
+            whole = _mm_sub_epi32(whole, _mm_set1_epi32(32768));
+            whole = _mm_xor_si128(_mm_packs_epi32(whole, whole), _mm_set1_epi16(-32768));
+        }
+        const std::int64_t bits = _mm_cvtsi128_si64(whole);
+        std::memcpy(out, &bits, sizeof(T) * C);
+        return;
+    }
+#endif
+    for (int c = 0; c < C; ++c) out[c] = rounded<T>(value[c]);
+}
+
 //! Colours multiplied by alpha.
 template <int C>
 Four times_alpha(Four value) {
@@ -79,9 +103,7 @@ struct Encoded {
 
     Four straight(const T* p) const { return as_four<T, C>(p); }
     Four premultiplied(const T* p) const { return times_alpha<C>(straight(p)); }
-    void store_colours(Four straight, T* out) const {
-        for (int c = 0; c < C - has_alpha; ++c) out[c] = rounded<T>(straight[c]);
-    }
+    void store(Four straight, T* out) const { store_rounded<T, C>(straight, out); }
 };
 
 //! Whole numbers, blended in linear light.
@@ -106,8 +128,9 @@ struct Decoded {
         return value;
     }
     Four premultiplied(const T* p) const { return times_alpha<C>(straight(p)); }
-    void store_colours(Four straight, T* out) const {
+    void store(Four straight, T* out) const {
         for (int c = 0; c < C - has_alpha; ++c) out[c] = static_cast<T>(light.encode(c, straight[c]));
+        if (has_alpha) out[C - 1] = rounded<T>(straight[C - 1]);
     }
 };
 
@@ -128,7 +151,7 @@ template <class Codec>
 void store_pixel(const Codec& codec, Four value, float fade, typename Codec::Channel* out) {
     using T = typename Codec::Channel;
     if constexpr (!Codec::has_alpha) {
-        codec.store_colours(value, out);
+        codec.store(value, out);
         return;
     }
     constexpr int alpha = Codec::channels - 1;
@@ -139,8 +162,9 @@ void store_pixel(const Codec& codec, Four value, float fade, typename Codec::Cha
         std::fill_n(out, Codec::channels, T{});
         return;
     }
-    codec.store_colours(value / Four{a, a, a, a}, out);
-    out[alpha] = rounded<T>(shown);
+    Four straight = value / Four{a, a, a, a};
+    straight[alpha] = shown;
+    codec.store(straight, out);
 }
 
 }  // namespace puppetwarp::detail

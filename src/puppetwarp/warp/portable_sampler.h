@@ -172,6 +172,18 @@ void store_means(const Source& source, const void* samples, const float* fades, 
 }
 
 template <class Codec>
+void read_premultiplied(const Source& source, int x, int y, int count, float* out) {
+    using T = typename Codec::Channel;
+    constexpr int C = Codec::channels;
+    const Codec codec(source);
+    const T* from = reinterpret_cast<const T*>(source.data + static_cast<std::size_t>(y) * source.step) + C * x;
+    for (int i = 0; i < count; ++i, from += C, out += C) {
+        const Four value = codec.premultiplied(from);
+        std::memcpy(out, &value, sizeof(float) * C);
+    }
+}
+
+template <class Codec>
 Sampler blend_sampler(Interpolation interpolation) {
     switch (interpolation) {
         case Interpolation::nearest: break;
@@ -187,7 +199,8 @@ Samplers samplers_of(const PixelFormat& format, Interpolation interpolation) {
     using T = typename Codec::Channel;
     const Sampler blended = blend_sampler<Codec>(interpolation);
     const bool nearest = interpolation == Interpolation::nearest;
-    return {nearest ? NearestSampler<T, Codec::channels>::sampler(format) : blended, blended, store_means<Codec>};
+    return {nearest ? NearestSampler<T, Codec::channels>::sampler(format) : blended, blended, store_means<Codec>,
+            read_premultiplied<Codec>};
 }
 
 //! \tparam Codec  of a number of channels.

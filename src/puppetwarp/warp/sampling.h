@@ -130,11 +130,15 @@ struct Sampler {
 using StoreMeans = void (*)(const Source& source, const void* samples, const float* fades, int count,
                             int samples_a_pixel, void* out);
 
+//! Reads pixels (x, y), (x + 1, y), ... as premultiplied binary32, as many channels as the picture has.
+using ReadPremultiplied = void (*)(const Source& source, int x, int y, int count, float* out);
+
 //! What one format needs.
 struct Samplers {
     Sampler single;    //!< for pixels of one sample
     Sampler several;   //!< premultiplied, for pixels of more; not for `nearest`
     StoreMeans store;  //!< of the pictures' pixels
+    ReadPremultiplied read;
 };
 
 //! Portable ones, by depth.
@@ -151,9 +155,14 @@ Samplers find_samplers(const PixelFormat& format, Interpolation interpolation, b
 
 PlaceSpans find_placement(Simd simd);
 
-//! Replaces, among sampled 8-bit pixels with alpha, those that have translucent taps.
-using TranslucentSampler = void (*)(const Source& source, const Places& places, int count, std::uint8_t* out);
-TranslucentSampler translucent_sampler(int channels, Interpolation interpolation);
+//! For 8-bit pixels with alpha.
+struct TranslucentPixels {
+    //! Premultiplied samples, as `Sampler::sample` of several.
+    void (*blend)(const Source& source, const Places& places, int count, void* samples);
+    //! Stores those samples that have translucent taps among sampled pixels.
+    void (*replace)(const Source& source, const Places& places, int count, const void* samples, std::uint8_t* out);
+};
+TranslucentPixels translucent_pixels(int channels, Interpolation interpolation);
 
 //! What a sampler reads.
 struct Stored {

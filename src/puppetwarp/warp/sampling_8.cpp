@@ -26,25 +26,31 @@ Sampler byte_sampler_of_channels(const PixelFormat& format, Interpolation interp
 }
 
 template <int C, class Filter>
-void replace_translucent(const Source& source, const Places& places, int count, std::uint8_t* out) {
+void replace_translucent(const Source& source, const Places& places, int count, const void* samples,
+                         std::uint8_t* out) {
     using Codec = Encoded<std::uint8_t, C>;
     const Codec codec(source);
+    const Four* sample = static_cast<const Four*>(samples);
     for (int i = 0; i < count; ++i, out += C) {
         const InsideTaps<std::uint8_t, C> tap(source, places.first[i]);
-        if (opaque<Codec, Filter::taps>(tap)) continue;
-        ByteSampler<C, Filter>::store_translucent(codec, tap, {places.fx[i], places.fy[i]}, 1, out);
+        if (!opaque<Codec, Filter::taps>(tap)) store_pixel(codec, sample[i], 1, out);
     }
 }
 
+template <int C, class Filter>
+TranslucentPixels translucent() {
+    return {BlendSampler<Encoded<std::uint8_t, C>, Filter>::sample, replace_translucent<C, Filter>};
+}
+
 template <int C>
-TranslucentSampler translucent_of_filter(Interpolation interpolation) {
+TranslucentPixels translucent_of_filter(Interpolation interpolation) {
     switch (interpolation) {
         case Interpolation::nearest: break;
-        case Interpolation::bilinear: return replace_translucent<C, Bilinear>;
-        case Interpolation::bicubic: return replace_translucent<C, Bicubic>;
-        case Interpolation::lanczos3: return replace_translucent<C, Lanczos3>;
+        case Interpolation::bilinear: return translucent<C, Bilinear>();
+        case Interpolation::bicubic: return translucent<C, Bicubic>();
+        case Interpolation::lanczos3: return translucent<C, Lanczos3>();
     }
-    return nullptr;
+    return {};
 }
 
 }  // namespace
@@ -56,7 +62,7 @@ Samplers portable_samplers_8(const PixelFormat& format, Interpolation interpolat
     return samplers;
 }
 
-TranslucentSampler translucent_sampler(int channels, Interpolation interpolation) {
+TranslucentPixels translucent_pixels(int channels, Interpolation interpolation) {
     return channels == 2 ? translucent_of_filter<2>(interpolation) : translucent_of_filter<4>(interpolation);
 }
 

@@ -4,10 +4,21 @@
 #if defined(__AVX2__)
 
 #include <puppetwarp/warp/lane_samplers.h>
+#include <puppetwarp/warp/pair_samplers.h>
 
 namespace puppetwarp::detail {
 
 namespace {
+
+template <>
+struct BlendOf<TwoLanes> {
+    template <int C>
+    static Blend filter(Interpolation interpolation) {
+        Sampler sampler;
+        accelerate_filter_of_pairs<PairTaps<std::uint8_t, C, false>>(interpolation, sampler);
+        return sampler.sample;
+    }
+};
 
 // Eight positions in 64-bit lanes: 0, 1, 4, 5 and 2, 3, 6, 7. So the words of both are in order when shuffled together.
 struct EightSteps {
@@ -80,8 +91,18 @@ void place_eight(const Source& source, const Span* spans, int count, const Steps
 
 void accelerate_avx2(const Stored& stored, Interpolation interpolation, Sampler& sampler) {
     sampler.place = place_eight;
-    const bool bytes = sampler.gives_pixels && stored.depth == CV_8U && stored.as == Stored::As::encoded;
-    if (bytes) accelerate_bytes<TwoLanes>(stored.channels, interpolation, sampler);
+    if (sampler.gives_pixels) {
+        const bool bytes = stored.depth == CV_8U && stored.as == Stored::As::encoded;
+        if (bytes) accelerate_bytes<TwoLanes>(stored.channels, interpolation, sampler);
+    } else if (stored.as == Stored::As::premultiplied) {
+        accelerate_pairs<float, true>(stored.channels, interpolation, sampler);
+    } else if (stored.as == Stored::As::encoded) {
+        switch (stored.depth) {
+            case CV_8U: accelerate_pairs<std::uint8_t, false>(stored.channels, interpolation, sampler); break;
+            case CV_16U: accelerate_pairs<std::uint16_t, false>(stored.channels, interpolation, sampler); break;
+            default: accelerate_pairs<float, false>(stored.channels, interpolation, sampler);
+        }
+    }
 }
 
 }  // namespace puppetwarp::detail

@@ -220,7 +220,7 @@ void add_picture_options(CLI::App& warp, WarpRequest& request) {
                     "Pixels of the result for one of the picture, along each axis (default 1)")
         ->type_name("S")
         ->check(above_zero());
-    warp.add_option("--interpolation", request.interpolation, "nearest, bilinear, bicubic (default)")
+    warp.add_option("--interpolation", request.interpolation, "nearest, bilinear, bicubic (default), lanczos3")
         ->type_name("I")
         ->check(completed_by(interpolation_names()));
     warp.add_option("--background", request.background, "transparent (default), keep, #rrggbb or #rrggbbaa")

@@ -16,8 +16,11 @@ namespace puppetwarp {
 
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Interpolation>, 3> interpolations{
-    {{"nearest", Interpolation::nearest}, {"bilinear", Interpolation::bilinear}, {"bicubic", Interpolation::bicubic}}};
+constexpr std::array<std::pair<std::string_view, Interpolation>, 4> interpolations{
+    {{"nearest", Interpolation::nearest},
+     {"bilinear", Interpolation::bilinear},
+     {"bicubic", Interpolation::bicubic},
+     {"lanczos3", Interpolation::lanczos3}}};
 
 constexpr int band_rows = 64;  // higher bands set triangles up less often, lower ones share out better among threads
 constexpr int pixels_between_reports = 1 << 21;
@@ -71,10 +74,17 @@ Image detail::warp_with(Simd simd, const Image& image, const TriangleMesh& rest,
 
     const SnappedMesh spans(input.rest, input.moved, chosen.canvas);
     PixelFormat format{image.pixels.depth(), image.pixels.channels(), false};
-    format.adds_alpha = !image.has_alpha() && !spans.covers_canvas();
+    const std::vector<BorderEdge> edges = border_edges(input.rest.F, spans);
+    const bool smooth = options.interpolation != Interpolation::nearest;
+    const BorderPixels border = smooth ? BorderPixels(input.rest.F, spans, edges) : BorderPixels();
+    // How many triangles hold a pixel changes at borders only.
+    const int layers = edges.empty() ? spans.layers_on_first_pixel() : -1;
+    const bool covered = edges.empty() ? layers > 0 : border.empty() && spans.covers_canvas();
+    format.adds_alpha = !image.has_alpha() && !covered;
 
     Image result{allocate_canvas(chosen.canvas, CV_MAKETYPE(format.depth, format.out_channels())), image.metadata};
-    const Painter painter(image.pixels, format, input.rest, input.moved, spans, chosen, simd, result.pixels);
+    const Painter painter(image.pixels, format, input.rest, input.moved, {spans, border, layers == 1}, chosen, simd,
+                          result.pixels);
     paint_all(painter, chosen.canvas, progress);
     return result;
 }

@@ -10,7 +10,7 @@
 
 namespace puppetwarp {
 
-enum class Interpolation { nearest, bilinear, bicubic };
+enum class Interpolation { nearest, bilinear, bicubic, lanczos3 };
 
 std::vector<std::string> interpolation_names();
 //! \throw InvalidInput  unknown name (lists the known ones).

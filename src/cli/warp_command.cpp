@@ -27,6 +27,7 @@ struct WarpRequest {
     WeightChoice weights;
     std::string canvas = "keep";
     std::string interpolation = "bicubic";
+    bool linear = false;
     std::optional<std::string> background;
     std::vector<std::string> overlay;
     std::int64_t max_pixels = ReadOptions().max_pixels;
@@ -82,6 +83,7 @@ int warp_picture(const WarpRequest& request, const GlobalOptions& global) {
     RenderOptions options;
     options.read.max_pixels = request.max_pixels;
     options.interpolation = interpolation_from_name(request.interpolation);
+    options.linear = request.linear;
     options.canvas = parse_canvas(request.canvas);
     options.pin_snap_px = request.pin_snap_px;
     options.weights_cache = request.weights.cache_beside(request.input);
@@ -134,6 +136,8 @@ void add_picture_options(CLI::App& warp, WarpRequest& request) {
         ->type_name("C");
     warp.add_option("--interpolation", request.interpolation, "nearest, bilinear, bicubic (default), lanczos3")
         ->type_name("I");
+    warp.add_flag("--linear", request.linear,
+                  "Blend in linear light, by the tone curves of the picture's profile, else sRGB's");
     warp.add_option("--background", request.background, "transparent (default), keep, #rrggbb or #rrggbbaa")
         ->type_name("B");
     warp.add_option("--overlay", request.overlay, "Draw over the result: mesh, handles or both")

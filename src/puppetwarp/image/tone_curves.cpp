@@ -12,7 +12,7 @@ namespace puppetwarp {
 
 namespace {
 
-// Big-endian numbers of a profile; what lies behind its end reads as 0, and `sound` remembers.
+// Big-endian numbers of a profile; what lies behind its end reads as 0.
 class ProfileBytes {
 public:
     explicit ProfileBytes(const std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
@@ -102,15 +102,15 @@ double srgb_light(double encoded) {
 
 std::vector<ToneCurve> tone_curves(const Image& image) {
     const ProfileBytes profile(image.metadata.icc);
-    const bool grey = image.pixels.channels() <= 2;
-    const std::vector<std::string_view> signatures =
-        grey ? std::vector<std::string_view>{"kTRC"} : std::vector<std::string_view>{"rTRC", "gTRC", "bTRC"};
+    if (image.pixels.channels() <= 2) return {read_tone(profile, "kTRC").value_or(srgb_light)};
     std::vector<ToneCurve> curves;
-    for (const std::string_view signature : signatures) {
+    for (const std::string_view signature : {"rTRC", "gTRC", "bTRC"}) {
         std::optional<ToneCurve> curve = read_tone(profile, signature);
-        if (!curve) return std::vector<ToneCurve>(signatures.size(), srgb_light);
+        if (!curve) return {srgb_light};
         curves.push_back(std::move(*curve));
     }
+    const bool shared = profile.tag("rTRC") == profile.tag("gTRC") && profile.tag("rTRC") == profile.tag("bTRC");
+    if (shared) curves.resize(1);
     return curves;
 }
 

@@ -13,8 +13,8 @@ using ToneCurve = std::function<double(double encoded)>;
 //! IEC 61966-2-1.
 double srgb_light(double encoded);
 
-//! The curves of a picture's colour channels (1 or 3): those of its ICC profile (curveType and parametricCurveType of
-//! ICC.1:2022); sRGB's where it has no profile, or one without curves.
+//! The curves of a picture's colour channels, one for all or one each: those of its ICC profile (curveType and
+//! parametricCurveType of ICC.1:2022); sRGB's where it has no profile, or one without curves.
 std::vector<ToneCurve> tone_curves(const Image& image);
 
 }  // namespace puppetwarp

@@ -180,17 +180,17 @@ Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutou
                    Progress& progress) {
     report.canvas = choose_canvas(options.canvas, image, moved);
     require_size(report.canvas, options.read.max_pixels);
-    const Image warped =
-        warp(apply_cutout(image, cutout), mesh, moved, {options.interpolation, report.canvas}, progress);
+    const WarpOptions warp_options{options.interpolation, report.canvas, options.linear};
+    const Image warped = warp(apply_cutout(image, cutout), mesh, moved, warp_options, progress);
     Background background = background_from_name(puppet.background.value_or("transparent"));
-    Image result = lay_over(background, warped, image, report.canvas);
+    Image result = lay_over(background, warped, image, report.canvas, options.linear);
     if (options.format.empty()) return result;
 
     report.lost = lost_in_format(result, options.format);
     if (result.has_alpha() && !format_holds_alpha(options.format)) {
         background.kind = cutout.whole ? Background::Kind::keep : Background::Kind::colour;
         background.rgba = {1, 1, 1, 1};
-        result = lay_over(background, warped, image, report.canvas);
+        result = lay_over(background, warped, image, report.canvas, options.linear);
     }
     return result;
 }

@@ -46,6 +46,7 @@ struct CanvasChoice {
 struct RenderOptions {
     ReadOptions read;
     Interpolation interpolation = Interpolation::bicubic;
+    bool linear = false;  //!< see `WarpOptions`
     CanvasChoice canvas;
     double pin_snap_px = 0;               //!< points at most this far outside the subject are moved onto it
     std::filesystem::path weights_cache;  //!< `weights_cache_path` of the puppet's file, or empty: weights are not kept

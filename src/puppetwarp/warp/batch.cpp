@@ -168,7 +168,7 @@ void Batch::lay(const Target& target, const void* pixels) {
     }
     std::uint8_t* to = address(target.row, target.first);
     if (overlaps_ && ops_.any_alpha != nullptr && ops_.any_alpha(to, target.count)) {
-        ops_.over(pixels, to, target.count);
+        ops_.over(source_.light, pixels, to, target.count);
         return;
     }
     copy_bytes(to, static_cast<const std::uint8_t*>(pixels),

@@ -14,7 +14,7 @@ public:
     explicit LightTables(const Image& image);
 
     //! The light of each value of a colour channel; rises strictly, so that `encode` gives each value back.
-    const float* decode(int channel) const { return curves_[static_cast<std::size_t>(channel)].light.data(); }
+    const float* decode(int channel) const { return curve(channel).light.data(); }
 
     //! The value whose light, half a value more or less, holds `light`.
     int encode(int channel, float light) const;
@@ -26,6 +26,10 @@ private:
         std::vector<std::uint16_t>
             buckets;  // how many limits lie at or below bucket i's lower end; one more at the end
     };
+
+    const Curve& curve(int channel) const {
+        return curves_[curves_.size() == 1 ? 0 : static_cast<std::size_t>(channel)];
+    }
 
     float full_;
     float buckets_a_unit_;

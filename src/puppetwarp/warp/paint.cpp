@@ -20,15 +20,16 @@ constexpr int longest_run = 256;
 constexpr int strip_rows = 8;
 constexpr std::size_t usual_spans = 2048;  // of a strip of a large picture
 
-Source source_of(const cv::Mat& pixels, const PixelFormat& format) {
+Source source_of(const Paint& paint) {
     Source source;
-    source.data = pixels.data;
-    source.step = pixels.step[0];
-    source.width = pixels.cols;
-    source.height = pixels.rows;
-    source.channels = format.channels;
-    source.channel_bytes = format.channel_bytes();
-    source.adds_alpha = format.adds_alpha;
+    source.data = paint.pixels.data;
+    source.step = paint.pixels.step[0];
+    source.width = paint.pixels.cols;
+    source.height = paint.pixels.rows;
+    source.channels = paint.format.channels;
+    source.channel_bytes = paint.format.channel_bytes();
+    source.adds_alpha = paint.format.adds_alpha;
+    source.light = paint.light;
     return source;
 }
 
@@ -79,21 +80,20 @@ struct Painter::Plan {
     Strip& strip(int row) { return strips[static_cast<std::size_t>((row - band.first) / strip_rows)]; }
 };
 
-Painter::Painter(const cv::Mat& pixels, const PixelFormat& format, const TriangleMesh& rest,
-                 const Eigen::MatrixX2d& moved, const Layout& layout, const WarpOptions& options, Simd simd,
-                 cv::Mat& out)
-    : format_(format),
+Painter::Painter(const Paint& paint, const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Layout& layout,
+                 const WarpOptions& options, Simd simd, cv::Mat& out)
+    : format_(paint.format),
       rest_(rest),
       moved_(moved),
       mesh_(layout.mesh),
       border_(layout.border),
-      counts_layers_(format.out_has_alpha() && !layout.one_layer),
+      counts_layers_(format_.out_has_alpha() && !layout.one_layer),
       canvas_(options.canvas),
       interpolation_(options.interpolation),
-      samplers_(find_samplers(format, options.interpolation, false, simd)),
-      single_(source_of(pixels, format), samplers_.single),
+      samplers_(find_samplers(format_, options.interpolation, paint.light != nullptr, simd)),
+      single_(source_of(paint), samplers_.single),
       several_(single_.source, samplers_.several),
-      ops_(find_pixel_ops(format)),
+      ops_(find_pixel_ops(format_)),
       out_(out) {
     find_levels(simd);
 }

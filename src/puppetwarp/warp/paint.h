@@ -14,6 +14,13 @@ namespace puppetwarp::detail {
 Image warp_with(Simd simd, const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved,
                 const WarpOptions& options, Progress& progress);
 
+//! What is painted with.
+struct Paint {
+    const cv::Mat& pixels;  //!< the source
+    PixelFormat format;
+    const LightTables* light;  //!< for linear light, or null
+};
+
 //! Where a moved mesh lies on the canvas.
 struct Layout {
     const SnappedMesh& mesh;
@@ -24,9 +31,9 @@ struct Layout {
 //! Paints the triangles of a mesh, band by band. Keeps references to what it is made from.
 class Painter {
 public:
-    //! \param pixels  the source; \param out the canvas' pixels: allocated, of the format's output type.
-    Painter(const cv::Mat& pixels, const PixelFormat& format, const TriangleMesh& rest, const Eigen::MatrixX2d& moved,
-            const Layout& layout, const WarpOptions& options, Simd simd, cv::Mat& out);
+    //! \param out  the canvas' pixels: allocated, of the format's output type.
+    Painter(const Paint& paint, const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Layout& layout,
+            const WarpOptions& options, Simd simd, cv::Mat& out);
 
     //! Paints rows of the canvas. Different bands may be painted by different threads at a time.
     void paint(RowRange band) const;

@@ -78,8 +78,24 @@ bool any_alpha(const void* pixels, int count) {
     return found != 0;
 }
 
-template <class T, int C>
-void pixel_over(const T* front, T* back) {
+// As they are stored.
+template <class T>
+struct AsStored {
+    double value(int, T stored) const { return static_cast<double>(stored); }
+    T stored(int, double value) const { return rounded<T>(value); }
+};
+
+template <class T>
+struct AsLight {
+    const LightTables& light;
+    double value(int channel, T stored) const { return static_cast<double>(light.decode(channel)[stored]); }
+    T stored(int channel, double value) const {
+        return static_cast<T>(light.encode(channel, static_cast<float>(value)));
+    }
+};
+
+template <class T, int C, class Colours>
+void pixel_over(const Colours& colours, const T* front, T* back) {
     constexpr int alpha = C - 1;
     constexpr double full = Encoded<T, C>::full;
     const double front_alpha = front[alpha], back_alpha = back[alpha];
@@ -92,16 +108,23 @@ void pixel_over(const T* front, T* back) {
     const double back_weight = back_alpha * (full - front_alpha);
     const double weight = front_weight + back_weight;
     for (int c = 0; c < alpha; ++c) {
-        back[c] = rounded<T>((front[c] * front_weight + back[c] * back_weight) / weight);
+        const double sum = colours.value(c, front[c]) * front_weight + colours.value(c, back[c]) * back_weight;
+        back[c] = colours.stored(c, sum / weight);
     }
     back[alpha] = rounded<T>(weight / full);
 }
 
 template <class T, int C>
-void over(const void* front, void* back, int count) {
+void over(const LightTables* light, const void* front, void* back, int count) {
     const T* from = static_cast<const T*>(front);
     T* to = static_cast<T*>(back);
-    for (int i = 0; i < count; ++i) pixel_over<T, C>(from + C * i, to + C * i);
+    if constexpr (!std::is_floating_point_v<T>) {
+        if (light != nullptr) {
+            for (int i = 0; i < count; ++i) pixel_over<T, C>(AsLight<T>{*light}, from + C * i, to + C * i);
+            return;
+        }
+    }
+    for (int i = 0; i < count; ++i) pixel_over<T, C>(AsStored<T>(), from + C * i, to + C * i);
 }
 
 template <class T, int C>

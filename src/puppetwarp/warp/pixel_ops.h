@@ -11,8 +11,8 @@ struct PixelOps {
     //! Whether some pixel's alpha is not 0. Null for outputs without alpha, as are `over` and
     //! `fade`.
     bool (*any_alpha)(const void* pixels, int count);
-    //! Lays `front` over `back`, in place.
-    void (*over)(const void* front, void* back, int count);
+    //! Lays `front` over `back`, in place. \param light  for linear light, or null.
+    void (*over)(const LightTables* light, const void* front, void* back, int count);
     //! Multiplies the alpha of a pixel.
     void (*fade)(void* pixel, float coverage);
 };

@@ -9,6 +9,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #if defined(__linux__)
@@ -156,8 +157,10 @@ Image detail::warp_with(Simd simd, const Image& image, const TriangleMesh& rest,
     format.adds_alpha = !image.has_alpha() && !covered;
 
     Image result{allocated(chosen.canvas, CV_MAKETYPE(format.depth, format.out_channels())), image.metadata};
-    const Painter painter(image.pixels, format, near_rest, near_moved, {spans, border, layers == 1}, chosen, simd,
-                          result.pixels);
+    const bool decodes = options.linear && format.depth != CV_32F;
+    const std::optional<LightTables> light = decodes ? std::optional<LightTables>(image) : std::nullopt;
+    const Painter painter({image.pixels, format, light ? &*light : nullptr}, near_rest, near_moved,
+                          {spans, border, layers == 1}, chosen, simd, result.pixels);
     paint_all(painter, chosen.canvas, progress);
     return result;
 }

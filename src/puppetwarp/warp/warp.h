@@ -26,7 +26,8 @@ struct Canvas {
 
 struct WarpOptions {
     Interpolation interpolation = Interpolation::bicubic;
-    Canvas canvas;  //!< of no size: the source's own
+    Canvas canvas;        //!< of no size: the source's own
+    bool linear = false;  //!< in linear light, by the tone curves of the picture's profile or sRGB's; floats are linear
 };
 
 //! Draws a picture through moved triangles.

@@ -2,6 +2,7 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/threads.h>
+#include <puppetwarp/warp/light.h>
 #include <puppetwarp/warp/paint.h>
 
 #include <opencv2/core.hpp>

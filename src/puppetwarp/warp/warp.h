@@ -37,7 +37,9 @@ struct WarpOptions {
 //! premultiplied; where a triangle moves by whole pixels its pixels are copied. Pixels that no triangle covers are
 //! transparent: the output has alpha when the input has, or when some output pixel is uncovered.
 //! Beyond its border a picture without alpha repeats its outermost pixels; one with alpha fades out over half a pixel.
-//! Where a triangle shrinks by more than 1.5, a pixel is the mean of up to 4 x 4 samples (not for `nearest`).
+//! Where a triangle shrinks by more than 1.5, a pixel is the mean of up to 16 samples, above a factor of about 4 of
+//! samples of a pyramid. Pixels that the border of the mesh crosses are as opaque as it covers them, but for triangles
+//! that move by whole pixels. (Neither for `nearest`.)
 //! The same bytes for any number of threads.
 //! \param moved  #V x 2 positions of the vertices of `rest`.
 //! \throw InvalidInput  positions that are not finite or not one for each vertex; a triangle that names a missing

@@ -28,6 +28,7 @@ struct WarpRequest {
     std::string canvas = "keep";
     std::string interpolation = "bicubic";
     std::optional<std::string> background;
+    std::optional<std::string> back_faces;
     std::vector<std::string> overlay;
     std::int64_t max_pixels = ReadOptions().max_pixels;
     double pin_snap_px = 0;
@@ -50,6 +51,7 @@ void apply(const WarpRequest& request, Puppet& puppet, Pose& pose) {
         background_from_name(*request.background);  // complains before any work
         puppet.background = request.background;
     }
+    if (request.back_faces) puppet.back_faces = back_faces_from_name(*request.back_faces);
     add_pins(puppet, pose, request.pins);
     require_sound(puppet.rig);
 }
@@ -69,12 +71,12 @@ void tell_what_is_lost(const WarpRequest& request, const RenderReport& report, b
     if (!quiet) print_warning(request.output + ": " + message);
 }
 
-void warn_about_result(const RenderReport& report, bool quiet) {
+void warn_about_result(const RenderReport& report, BackFaces back_faces, bool quiet) {
     if (quiet) return;
     print_warnings(report);
     if (report.distortion.flipped_triangles > 0) {
-        print_warning(std::to_string(report.distortion.flipped_triangles) +
-                      " triangles are folded over and not drawn (pull less, or add a pin)");
+        print_warning(std::to_string(report.distortion.flipped_triangles) + " triangles are folded over and " +
+                      (back_faces == BackFaces::hide ? "not drawn" : "drawn mirrored") + " (pull less, or add a pin)");
     }
 }
 
@@ -97,7 +99,7 @@ int warp_picture(const WarpRequest& request, const GlobalOptions& global) {
     ProgressBar progress(global.quiet);
     Rendered rendered = render(puppet, pose, options, progress);
     tell_what_is_lost(request, rendered.report, global.quiet);
-    warn_about_result(rendered.report, global.quiet);
+    warn_about_result(rendered.report, puppet.back_faces, global.quiet);
     const Canvas& canvas = rendered.report.canvas;
     if (request.wants_overlay("mesh")) draw_mesh(rendered.image, rendered.moved, rendered.mesh.F, canvas);
     if (request.wants_overlay("handles")) draw_handles(rendered.image, rendered.rig, pose, canvas);
@@ -134,6 +136,9 @@ void add_picture_options(CLI::App& warp, WarpRequest& request) {
         ->type_name("C");
     warp.add_option("--interpolation", request.interpolation, "nearest, bilinear, bicubic (default)")->type_name("I");
     warp.add_option("--background", request.background, "transparent (default), keep, #rrggbb or #rrggbbaa")
+        ->type_name("B");
+    warp.add_option("--back-faces", request.back_faces,
+                    "Triangles that are folded over: hide (default) or show, mirrored")
         ->type_name("B");
     warp.add_option("--overlay", request.overlay, "Draw over the result: mesh, handles or both")
         ->type_name("mesh,handles")

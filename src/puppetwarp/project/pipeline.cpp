@@ -6,6 +6,7 @@
 #include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/project/weights_cache.h>
+#include <puppetwarp/rig/depth.h>
 #include <puppetwarp/rig/snap.h>
 #include <puppetwarp/warp/background.h>
 
@@ -85,6 +86,7 @@ void require_size(const Canvas& canvas, std::int64_t max_pixels) {
 struct Solved {
     TriangleMesh mesh;
     Eigen::MatrixX2d moved;
+    Eigen::VectorXd depth;
     Rig rig;
 };
 
@@ -101,6 +103,7 @@ Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, cons
         bound_deformer(puppet.method, solved.mesh, solved.rig, options.weights_cache, progress);
     timer.end("bind");
     Deformation deformation = deformer->deform(pose, nullptr, progress);
+    solved.depth = vertex_depths(solved.mesh, solved.rig, pose);
     timer.end("deform");
 
     describe(puppet.method, solved.mesh, puppet.rig, deformation, report);
@@ -176,12 +179,12 @@ TriangleMesh mesh_for_weights(const Puppet& puppet, const Outline& outline) {
 }
 
 Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
-                   const Eigen::MatrixX2d& moved, const RenderOptions& options, RenderReport& report,
-                   Progress& progress) {
+                   const Eigen::MatrixX2d& moved, const Eigen::VectorXd& depth, const RenderOptions& options,
+                   RenderReport& report, Progress& progress) {
     report.canvas = choose_canvas(options.canvas, image, moved);
     require_size(report.canvas, options.read.max_pixels);
-    const Image warped =
-        warp(apply_cutout(image, cutout), mesh, moved, {options.interpolation, report.canvas}, progress);
+    const WarpOptions how{options.interpolation, report.canvas, puppet.back_faces, depth};
+    const Image warped = warp(apply_cutout(image, cutout), mesh, moved, how, progress);
     Background background = background_from_name(puppet.background.value_or("transparent"));
     Image result = lay_over(background, warped, image, report.canvas);
     if (options.format.empty()) return result;
@@ -208,10 +211,12 @@ Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& opt
     const Cutout cutout = cut_out_subject(puppet, image, options.read);
     Solved solved = solve(puppet, pose, image.width(), image.height(), cutout, options, report, progress);
     StageTimer warp_timer(report.timings_ms);
-    rendered.image = draw_subject(puppet, image, cutout, solved.mesh, solved.moved, options, report, progress);
+    rendered.image =
+        draw_subject(puppet, image, cutout, solved.mesh, solved.moved, solved.depth, options, report, progress);
     warp_timer.end("warp");
     rendered.mesh = std::move(solved.mesh);
     rendered.moved = std::move(solved.moved);
+    rendered.depth = std::move(solved.depth);
     rendered.rig = std::move(solved.rig);
     return rendered;
 }

@@ -84,6 +84,7 @@ struct Rendered {
     Image image;
     TriangleMesh mesh;
     Eigen::MatrixX2d moved;  //!< #V x 2
+    Eigen::VectorXd depth;   //!< `vertex_depths` of the pose
     Rig rig;                 //!< as it took hold: points that were snapped onto the subject lie there
     RenderReport report;
 };
@@ -94,8 +95,9 @@ Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& opt
 
 //! The last arrows alone, for positions that are known already: warp, then background, then what `options.format` asks
 //! for. Fills `canvas` and `lost` of the report.
+//! \param depth  `vertex_depths` of the pose.
 Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
-                   const Eigen::MatrixX2d& moved, const RenderOptions& options, RenderReport& report,
-                   Progress& progress);
+                   const Eigen::MatrixX2d& moved, const Eigen::VectorXd& depth, const RenderOptions& options,
+                   RenderReport& report, Progress& progress);
 
 }  // namespace puppetwarp

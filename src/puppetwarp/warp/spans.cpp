@@ -57,8 +57,9 @@ std::int64_t snapped(double coordinate, int origin) {
 
 }  // namespace
 
-SnappedMesh::SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Canvas& canvas)
-    : faces_(rest.F), canvas_(canvas) {
+SnappedMesh::SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Canvas& canvas,
+                         BackFaces back_faces)
+    : faces_(rest.F), canvas_(canvas), back_faces_(back_faces) {
     points_.reserve(static_cast<std::size_t>(moved.rows()));
     for (Eigen::Index i = 0; i < moved.rows(); ++i) {
         points_.push_back({snapped(moved(i, 0), canvas.x), snapped(moved(i, 1), canvas.y)});
@@ -81,8 +82,9 @@ RowRange SnappedMesh::rows_of(int triangle, const Eigen::MatrixX2d& rest) const 
     const Eigen::RowVector2d ac = rest.row(faces_(triangle, 2)) - p;
     const double rest_area = ab.x() * ac.y() - ab.y() * ac.x();
     const Int128 area = snapped_double_area(a, b, c);
-    const bool kept = (area > 0 && rest_area > 0) || (area < 0 && rest_area < 0);
-    if (!kept) return {};
+    if (area == 0 || rest_area == 0) return {};
+    const bool turned_over = (area > 0) != (rest_area > 0);
+    if (turned_over && back_faces_ == BackFaces::hide) return {};
     if (std::max({a.x, b.x, c.x}) <= 0 || std::min({a.x, b.x, c.x}) >= canvas_.width * subpixel_one) return {};
     const auto clamped = [&](std::int64_t row) {
         return static_cast<int>(std::clamp<std::int64_t>(row, 0, canvas_.height));

@@ -133,10 +133,12 @@ void for_each_span(SnappedPoint a, SnappedPoint b, SnappedPoint c, RowRange rows
 class SnappedMesh {
 public:
     //! \param moved  finite, below 2^30 px.
-    SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Canvas& canvas);
+    SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Canvas& canvas,
+                BackFaces back_faces = BackFaces::hide);
 
     int triangle_count() const { return static_cast<int>(rows_.size()); }
-    //! Rows in which a triangle may have pixels; none when it is flipped, without area or beside the canvas.
+    //! Rows in which a triangle may have pixels; none when it is flipped and those are hidden, without area or beside
+    //! the canvas.
     RowRange rows(int triangle) const { return rows_[static_cast<std::size_t>(triangle)]; }
 
     //! `body(row, first, last)` for the pixels of a triangle within `band`.
@@ -171,6 +173,7 @@ private:
 
     const Eigen::MatrixX3i& faces_;
     Canvas canvas_;
+    BackFaces back_faces_;
     std::vector<SnappedPoint> points_;
     std::vector<RowRange> rows_;
     // Neighbours in a mesh mostly have indices close to each other: whole blocks of them lie beside a band.

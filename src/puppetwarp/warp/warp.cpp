@@ -3,6 +3,7 @@
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/threads.h>
 #include <puppetwarp/warp/paint.h>
+#include <puppetwarp/warp/painters_order.h>
 
 #include <opencv2/core.hpp>
 
@@ -94,8 +95,11 @@ cv::Mat allocated(const Canvas& canvas, int type) {
     }
 }
 
-TriangleMesh within_reach(const TriangleMesh& rest) {
-    return {rest.V.cwiseMax(-farthest_rest_px).cwiseMin(farthest_rest_px), rest.F};
+// With its triangles in the order in which they are painted.
+TriangleMesh within_reach(const TriangleMesh& rest, const Eigen::VectorXd& depth) {
+    TriangleMesh mesh{rest.V.cwiseMax(-farthest_rest_px).cwiseMin(farthest_rest_px), rest.F};
+    if (depth.size() > 0) mesh.F = rest.F(painters_order(rest, depth), Eigen::all);
+    return mesh;
 }
 
 void paint_all(const detail::Painter& painter, const Canvas& canvas, Progress& progress) {
@@ -132,6 +136,16 @@ Interpolation interpolation_from_name(std::string_view name) {
     throw InvalidInput("interpolation '" + std::string(name) + "'", "unknown", "choose one of " + known);
 }
 
+std::string back_faces_name(BackFaces back_faces) {
+    return back_faces == BackFaces::hide ? "hide" : "show";
+}
+
+BackFaces back_faces_from_name(std::string_view name) {
+    if (name == "hide") return BackFaces::hide;
+    if (name == "show") return BackFaces::show;
+    throw InvalidInput("back faces '" + std::string(name) + "'", "unknown", "choose hide or show");
+}
+
 Image detail::warp_with(Simd simd, const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved,
                         const WarpOptions& options, Progress& progress) {
     assert(is_picture(image.pixels));
@@ -140,9 +154,9 @@ Image detail::warp_with(Simd simd, const Image& image, const TriangleMesh& rest,
     chosen.canvas = canvas_of(options.canvas, image);
     progress.step("warp", 0);
 
-    const TriangleMesh near_rest = within_reach(rest);
+    const TriangleMesh near_rest = within_reach(rest, options.depth);
     const Eigen::MatrixX2d near_moved = moved.cwiseMax(-farthest_moved_px).cwiseMin(farthest_moved_px);
-    const SnappedMesh spans(near_rest, near_moved, chosen.canvas);
+    const SnappedMesh spans(near_rest, near_moved, chosen.canvas, options.back_faces);
     PixelFormat format{image.pixels.depth(), image.pixels.channels(), false};
     format.adds_alpha = !image.has_alpha() && !spans.covers_canvas();
 

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+#include <utility>
 #include <vector>
 
 // A second warp, slow and obvious: every pixel centre is tried against every triangle, everything is double and
@@ -20,6 +22,12 @@ public:
     Reference(const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const WarpOptions& options)
         : image_(image), rest_(rest), moved_(moved), options_(options) {
         if (options_.canvas.width == 0) options_.canvas = {0, 0, image.width(), image.height()};
+        for (Eigen::Index f = 0; f < rest.F.rows(); ++f) {
+            double depth = 0;
+            if (options.depth.size() > 0)
+                for (int k = 0; k < 3; ++k) depth += options.depth(rest.F(f, k));
+            order_.emplace(depth, f);
+        }
     }
 
     //! Premultiplied, alpha in [0, 1], colour in the picture's numbers. [4] is set where an edge passes too near for
@@ -27,10 +35,11 @@ public:
     Premultiplied at(int column, int row) const {
         const double x = options_.canvas.x + column + 0.5, y = options_.canvas.y + row + 0.5;
         Premultiplied below{};
-        for (Eigen::Index f = 0; f < rest_.F.rows(); ++f) {
+        for (const auto& [depth, f] : order_) {
             const Corners to = corners(moved_, f), from = corners(rest_, f);
             const double area = cross(to, 0, 1, to[2]), rest_area = cross(from, 0, 1, from[2]);
-            if (area * rest_area <= 0) continue;
+            if (area == 0 || rest_area == 0) continue;
+            if (area * rest_area < 0 && options_.back_faces == BackFaces::hide) continue;
             const Eigen::Vector2d p(x, y);
             const double w0 = cross(to, 1, 2, p) / area, w1 = cross(to, 2, 0, p) / area, w2 = cross(to, 0, 1, p) / area;
             const double least = std::min({w0, w1, w2});
@@ -142,6 +151,7 @@ private:
     const TriangleMesh& rest_;
     const Eigen::MatrixX2d& moved_;
     WarpOptions options_;
+    std::set<std::pair<double, Eigen::Index>> order_;  // by depth, then by index
 };
 
 }  // namespace puppetwarp::testing

@@ -135,7 +135,7 @@ void add_picture_options(CLI::App& warp, WarpRequest& request) {
     warp.add_option("--canvas", request.canvas, "keep (default), grow so that nothing is cut off, or WxH+X+Y")
         ->type_name("C");
     warp.add_option("--interpolation", request.interpolation, "nearest, bilinear, bicubic (default)")->type_name("I");
-    warp.add_option("--background", request.background, "transparent (default), keep, #rrggbb or #rrggbbaa")
+    warp.add_option("--background", request.background, "transparent (default), keep, inpaint, #rrggbb or #rrggbbaa")
         ->type_name("B");
     warp.add_option("--back-faces", request.back_faces,
                     "Triangles that are folded over: hide (default) or show, mirrored")

@@ -17,7 +17,8 @@ class Progress {
 public:
     virtual ~Progress() = default;
 
-    //! \param stage     what is being done: `read`, `cutout`, `triangulate`, `bind`, `weights`, `deform`, `warp`, `write`.
+    //! \param stage     what is being done: `read`, `cutout`, `triangulate`, `bind`, `weights`, `deform`, `warp`,
+    //!                  `background`, `write`.
     //! \param fraction  how much of this stage is done, in [0, 1].
     //! \throw Cancelled  when `cancelled()`.
     void step(std::string_view stage, double fraction) {

@@ -1,6 +1,7 @@
 #include <puppetwarp/project/pipeline.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/cutout/fill_behind.h>
 #include <puppetwarp/image/write.h>
 #include <puppetwarp/mesh/triangulate.h>
 #include <puppetwarp/project/stage_timer.h>
@@ -185,15 +186,15 @@ Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutou
     require_size(report.canvas, options.read.max_pixels);
     const WarpOptions how{options.interpolation, report.canvas, puppet.back_faces, depth};
     const Image warped = warp(apply_cutout(image, cutout), mesh, moved, how, progress);
-    Background background = background_from_name(puppet.background.value_or("transparent"));
-    Image result = lay_over(background, warped, image, report.canvas);
+    const Background background = background_from_name(puppet.background.value_or("transparent"));
+    const bool filled = background.kind == Background::Kind::inpaint;
+    Image result = lay_over(background, warped, filled ? fill_behind(image, cutout, progress) : image, report.canvas);
     if (options.format.empty()) return result;
 
     report.lost = lost_in_format(result, options.format);
     if (result.has_alpha() && !format_holds_alpha(options.format)) {
-        background.kind = cutout.whole ? Background::Kind::keep : Background::Kind::colour;
-        background.rgba = {1, 1, 1, 1};
-        result = lay_over(background, warped, image, report.canvas);
+        const Background opaque{cutout.whole ? Background::Kind::keep : Background::Kind::colour, {1, 1, 1, 1}};
+        result = lay_over(opaque, result, image, report.canvas);
     }
     return result;
 }

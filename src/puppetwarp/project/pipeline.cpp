@@ -1,6 +1,7 @@
 #include <puppetwarp/project/pipeline.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/cutout/edge_colours.h>
 #include <puppetwarp/cutout/fill_behind.h>
 #include <puppetwarp/image/write.h>
 #include <puppetwarp/mesh/triangulate.h>
@@ -9,7 +10,6 @@
 #include <puppetwarp/project/weights_cache.h>
 #include <puppetwarp/rig/depth.h>
 #include <puppetwarp/rig/snap.h>
-#include <puppetwarp/warp/background.h>
 
 #include <algorithm>
 #include <chrono>
@@ -179,14 +179,19 @@ TriangleMesh mesh_for_weights(const Puppet& puppet, const Outline& outline) {
     return triangulate(outline, mesh_constraints(puppet.rig, true), triangulation_options(puppet, outline));
 }
 
+Image cut_subject(const Image& image, const Cutout& cutout, const Background& background) {
+    const bool kept = background.kind == Background::Kind::keep;
+    return apply_cutout(kept ? image : with_clean_edges(image, cutout), cutout);
+}
+
 Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
                    const Eigen::MatrixX2d& moved, const Eigen::VectorXd& depth, const RenderOptions& options,
                    RenderReport& report, Progress& progress) {
     report.canvas = choose_canvas(options.canvas, image, moved);
     require_size(report.canvas, options.read.max_pixels);
     const WarpOptions how{options.interpolation, report.canvas, puppet.back_faces, depth};
-    const Image warped = warp(apply_cutout(image, cutout), mesh, moved, how, progress);
     const Background background = background_from_name(puppet.background.value_or("transparent"));
+    const Image warped = warp(cut_subject(image, cutout, background), mesh, moved, how, progress);
     const bool filled = background.kind == Background::Kind::inpaint;
     Image result = lay_over(background, warped, filled ? fill_behind(image, cutout, progress) : image, report.canvas);
     if (options.format.empty()) return result;

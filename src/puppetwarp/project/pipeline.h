@@ -9,6 +9,7 @@
 #include <puppetwarp/mesh/outline.h>
 #include <puppetwarp/mesh/triangle_mesh.h>
 #include <puppetwarp/project/puppet.h>
+#include <puppetwarp/warp/background.h>
 #include <puppetwarp/warp/warp.h>
 
 #include <filesystem>
@@ -92,6 +93,10 @@ struct Rendered {
 //! The whole way from a puppet in a pose to a picture.
 //! \throw InvalidInput  no handles at all, and as each stage.   \throw Cancelled
 Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& options, Progress& progress);
+
+//! The subject alone, as it is warped: `apply_cutout`, its edges clean of what was behind it (`with_clean_edges`) but
+//! for the background `keep`, which shows what was behind: there the rest pose is the picture again.
+Image cut_subject(const Image& image, const Cutout& cutout, const Background& background);
 
 //! The last arrows alone, for positions that are known already: warp, then background, then what `options.format` asks
 //! for. Fills `canvas` and `lost` of the report.

@@ -53,8 +53,9 @@ public:
     void spend(double budget_share) {
         const double most = budget_share * integral();
         if (!(most > 0) || budget_share >= 1) return;
-        // The price at which the integral costs what the weights cost bent.
-        double low = 0, high = w_.dot(Q_ * w_) / integral();
+        // The price at which the integral costs what the weights cost bent; of a constant that is nothing.
+        const double least_energy = 1e-12 * Q_.diagonal().mean();
+        double low = 0, high = std::max(w_.dot(Q_ * w_), least_energy) / integral();
         while (solve(high) > most && ++tries_ < most_tries) {
             low = high;
             high *= 8;
@@ -67,9 +68,12 @@ public:
             (solve(middle) > most ? low : high) = middle;
         }
         if (integral() > most) solve(high);
+        settled_ = last_.converged && integral() <= most;
     }
 
     const BoxQpSolution& last() const { return last_; }
+    // Whether the budget is kept by a solution.
+    bool settled() const { return settled_; }
     const Eigen::VectorXd& w() const { return w_; }
     int iterations() const { return iterations_; }
     bool safeguarded() const { return safeguarded_; }
@@ -100,6 +104,7 @@ private:
     int iterations_ = 0;
     int tries_ = 0;
     bool safeguarded_ = false;
+    bool settled_ = true;
 };
 
 }  // namespace
@@ -122,7 +127,7 @@ WeightSolution l1_functions(const WeightProblem& problem, const WeightOptions& o
         found.W.col(j) = column.w();
         if (column.iterations() == 0) continue;  // nothing is free
         found.iterations += column.iterations();
-        found.converged &= column.last().converged;
+        found.converged &= column.settled();
         found.kkt_residual = std::max(found.kkt_residual, column.last().kkt_residual);
         if (column.safeguarded()) found.fallback = "projected Newton";
     }

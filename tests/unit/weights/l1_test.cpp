@@ -36,6 +36,37 @@ TEST(L1, KeepsToItsBudgetAndUsesIt) {
     }
 }
 
+// A lone handle has 1 everywhere without a budget, which bends nothing.
+TEST(L1, KeepsToItsBudgetWhereWeightsAreConstant) {
+    const WeightProblem problem(reference::blob(300, 15, 4), reference::rig_of_points({{150, 150}}));
+    const WeightSolution found = functions(problem, 0.5);
+    EXPECT_TRUE(found.converged);
+    const double share =
+        free_integral(problem, found.W.col(0)) / free_integral(problem, functions(problem, 1).W.col(0));
+    EXPECT_LE(share, 0.5);
+    EXPECT_GE(share, 0.999 * 0.5);
+}
+
+// What no handle reaches takes part of what is around it: harmonic weights, rows still sum to 1.
+TEST(L1, WhatNoHandleReachesIsHarmonic) {
+    const TriangleMesh mesh = reference::grid(40, 6, 400, 60);
+    const WeightProblem problem(mesh, reference::rig_of_points({{20, 30}, {380, 30}}));
+    WeightOptions options;
+    options.l1_budget = 0.02;
+    Progress progress;
+    const Eigen::MatrixXd alone = l1_functions(problem, options, progress).W;
+    const Eigen::MatrixXd W = l1_weights(problem, options, progress).W;
+    const Eigen::MatrixXd flow = cotangent_stiffness(mesh) * W;
+    int unreached = 0;
+    for (Eigen::Index v = 0; v < W.rows(); ++v) {
+        EXPECT_NEAR(W.row(v).sum(), 1, 1e-12);
+        if (alone.row(v).sum() > 0) continue;
+        ++unreached;
+        EXPECT_LT(flow.row(v).cwiseAbs().maxCoeff(), 1e-12);
+    }
+    EXPECT_GT(unreached, 50);
+}
+
 TEST(L1, SupportShrinksWithTheBudget) {
     const TriangleMesh mesh = reference::grid(60, 10, 600, 100);
     const WeightProblem problem(mesh, reference::rig_of_points({{50, 50}, {550, 50}}));

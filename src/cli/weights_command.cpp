@@ -27,6 +27,8 @@ struct WeightsRequest {
     std::optional<std::string> rig;
     std::vector<std::string> pins;
     WeightChoice choice;
+    std::optional<int> max_iterations;
+    std::optional<double> tolerance;
     std::string output;
     double pin_snap_px = 0;
     WeightSheetOptions sheet;
@@ -55,6 +57,13 @@ struct Subject {
     WeightOptions options;
 };
 
+WeightOptions weight_options(const WeightsRequest& request, const WeightOptions& usual) {
+    WeightOptions options = request.choice.options(usual);
+    if (request.max_iterations) options.max_iterations = *request.max_iterations;
+    if (request.tolerance) options.tolerance = *request.tolerance;
+    return options;
+}
+
 bool is_mesh_file(const std::filesystem::path& path) {
     const std::string extension = path.extension().string();
     return extension == ".off" || extension == ".obj";
@@ -73,7 +82,7 @@ Subject subject_of_mesh(const WeightsRequest& request) {
     require_good_outputs({inputs, {request.output, request.report.file}, request.report.json}, request.force);
     const TriangleMesh mesh = read_mesh(request.input);
     return {mesh, snapped(load_rig_for_mesh(puppet), mesh, request.pin_snap_px),
-            request.choice.options(puppet.method.weights)};
+            weight_options(request, puppet.method.weights)};
 }
 
 Subject subject_of_picture(const WeightsRequest& request) {
@@ -90,7 +99,7 @@ Subject subject_of_picture(const WeightsRequest& request) {
     const Outline outline = outline_subject(puppet, image.width(), image.height(), cutout);
     const TriangleMesh mesh = mesh_for_weights(puppet, outline);
     const Rig rig = load_rig(puppet, image.width(), image.height());
-    return {mesh, snapped(rig, mesh, request.pin_snap_px), request.choice.options(puppet.method.weights)};
+    return {mesh, snapped(rig, mesh, request.pin_snap_px), weight_options(request, puppet.method.weights)};
 }
 
 Json weights_json(const Subject& subject, const Weights& weights, const RenderReport& times) {
@@ -107,7 +116,7 @@ Json weights_json(const Subject& subject, const Weights& weights, const RenderRe
     json["partition_error"] = weights.partition_error;
     json["kkt_residual"] = weights.kkt_residual;
     json["fallback"] = weights.fallback.empty() ? Json(nullptr) : Json(weights.fallback);
-    json["warnings"] = weights.warnings;
+    json["warnings"] = weight_warnings(weights);
     json["timings_ms"] = report_json(times, false)["timings_ms"];
     return json;
 }
@@ -137,7 +146,7 @@ int make_weights(const WeightsRequest& request, const GlobalOptions& global) {
     timer.end("weights");
     write_weights(subject, weights, request, progress);
     timer.end("write");
-    times.warnings = weights.warnings;
+    times.warnings = weight_warnings(weights);
     if (!global.quiet) print_warnings(times);
     request.report.emit(weights_json(subject, weights, times));
     if (global.verbose) print_timings(times);
@@ -165,6 +174,15 @@ void add_weights_command(CLI::App& app, const GlobalOptions& global, int& exit_c
         ->type_name("X,Y")
         ->allow_extra_args(false);
     request->choice.add_to(*weights, "--kind");
+    weights
+        ->add_option("--max-iterations", request->max_iterations, "Of bbw, l1 and monotonic, at least 1 (default 200)")
+        ->type_name("N")
+        ->check(above_zero());
+    weights
+        ->add_option("--tolerance", request->tolerance,
+                     "Of bbw, l1 and monotonic: KKT residual to stop at (default 1e-8)")
+        ->type_name("T")
+        ->check(above_zero());
     weights->add_option("--pin-snap", request->pin_snap_px, "Move pins at most PX pixels outside the subject onto it")
         ->type_name("PX")
         ->check(not_negative());

@@ -3,7 +3,6 @@
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/input_file.h>
 #include <puppetwarp/base/output_file.h>
-#include <puppetwarp/rig/binding.h>
 
 #include <glib.h>
 #include <nlohmann/json.hpp>
@@ -67,6 +66,26 @@ struct AddShape {
     void operator()(const VertexHandle& vertex) const { digest.add(vertex.index); }
 };
 
+// All of it: a cage's weights are solved on more than the subject, which meets more of the stiffness.
+struct AddStiffness {
+    Digest& digest;
+
+    void operator()(const StiffnessRegion& region) const {
+        add_points(digest, region.points);
+        digest.add(region.value);
+    }
+    void operator()(const StiffnessPicture& picture) const {
+        digest.add(picture.max);
+        digest.add(picture.width_px);
+        digest.add(picture.height_px);
+        digest.add(picture.grey.rows);
+        digest.add(picture.grey.cols);
+        for (int row = 0; row < picture.grey.rows; ++row) {
+            digest.add(picture.grey.ptr(row), picture.grey.elemSize() * static_cast<std::size_t>(picture.grey.cols));
+        }
+    }
+};
+
 std::string key_of(const TriangleMesh& mesh, const Rig& rig, const WeightOptions& options) {
     Digest digest;
     digest.add(revision);
@@ -77,12 +96,16 @@ std::string key_of(const TriangleMesh& mesh, const Rig& rig, const WeightOptions
     digest.add(options.l1_budget);
     digest.add_matrix(mesh.V);
     digest.add_matrix(mesh.F);
+    digest.add(rig.handles.size());
     for (const Handle& handle : rig.handles) {
         digest.add(handle.shape.index());
         std::visit(AddShape{digest}, handle.shape);
         digest.add(handle.id);  // warnings name handles
     }
-    digest.add_matrix(triangle_stiffness(mesh, rig.stiffness));
+    for (const Stiffness& stiffness : rig.stiffness) {
+        digest.add(stiffness.index());
+        std::visit(AddStiffness{digest}, stiffness);
+    }
     return digest.text();
 }
 

@@ -83,6 +83,23 @@ TEST_F(WeightsCache, NeverMeetsAnotherQuestion) {
     EXPECT_FALSE(computed_anew());
 }
 
+// Weights of a cage around the subject depend on what lies between them, where the mesh has no triangles.
+TEST_F(WeightsCache, NeverMeetsOtherStiffnessBesideTheSubject) {
+    rig_.handles = {{"hull", CageHandle{{{-60, -60}, {260, -60}, {260, 160}, {-60, 160}}}}};
+    EXPECT_TRUE(computed_anew());
+    const Polyline beside{{-50, -50}, {250, -50}, {250, -10}, {-50, -10}};
+    rig_.stiffness.emplace_back(StiffnessRegion{beside, 200});
+    EXPECT_TRUE(computed_anew()) << "a stiff part";
+    std::get<StiffnessRegion>(rig_.stiffness[0]).value = 2000;
+    EXPECT_TRUE(computed_anew()) << "a stiffer one";
+    cv::Mat grey = cv::Mat::zeros(4, 4, CV_32FC1);
+    rig_.stiffness.emplace_back(StiffnessPicture{"stiff.png", 50, grey, 200, 100});
+    EXPECT_TRUE(computed_anew()) << "a picture";
+    grey.at<float>(1, 2) = 1;
+    EXPECT_TRUE(computed_anew()) << "another picture";
+    EXPECT_FALSE(computed_anew());
+}
+
 TEST_F(WeightsCache, PassesOverFilesThatAreBroken) {
     EXPECT_TRUE(computed_anew());
     const std::string whole = read_file(file_, 1 << 20);

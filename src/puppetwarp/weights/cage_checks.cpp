@@ -94,6 +94,17 @@ void require_apart(const std::vector<Cage>& cages) {
     }
 }
 
+// Farther away, numbers lose what the mesh is made of, or overflow.
+void require_near(const TriangleMesh& mesh, const Cage& cage) {
+    const Point middle = mesh.V.colwise().mean().transpose();
+    const double farthest = farthest_move * bounding_diagonal(mesh.V);
+    for (const Point& corner : cage.points) {
+        if ((corner - middle).norm() <= farthest) continue;
+        throw InvalidInput("handle '" + cage.id + "'", "the corner at " + place_text(corner) + " is too far away",
+                           "stay within a million times the subject's size");
+    }
+}
+
 void require_to_hold(const TriangleMesh& mesh, const Cage& cage) {
     for (Eigen::Index v = 0; v < mesh.V.rows(); ++v) {
         const Point p = mesh.V.row(v).transpose();
@@ -108,7 +119,10 @@ void require_to_hold(const TriangleMesh& mesh, const Cage& cage) {
 
 void require_sound_cages(const TriangleMesh& mesh, const Rig& rig) {
     const std::vector<Cage> cages = cages_of(rig);
-    for (const Cage& cage : cages) require_corners(cage);
+    for (const Cage& cage : cages) {
+        require_near(mesh, cage);
+        require_corners(cage);
+    }
     require_apart(cages);
     for (const Cage& cage : cages) require_to_hold(mesh, cage);
 }

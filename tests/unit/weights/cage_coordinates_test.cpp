@@ -291,6 +291,9 @@ TEST(CageCoordinates, RefuseCagesThatCannotBe) {
     EXPECT_EQ(refusal({cage_handle("c", {{200, 0}, {300, 0}, {300, 100}})}),
               "handle 'c': the cage leaves the subject outside: no vertex of the mesh lies in it (draw it around the "
               "subject, or around a part of it)");
+    EXPECT_EQ(refusal({cage_handle("c", {{-1e300, -1e300}, {1e300, -1e300}, {0, 1e300}})}),
+              "handle 'c': the corner at (-1e+300, -1e+300) is too far away (stay within a million times the subject's "
+              "size)");
     EXPECT_EQ(refusal({{"p", PointHandle{{50, 50}, {}}}}, WeightKind::mean_value),
               "weights 'mean-value': are a formula of one cage; the rig has other handles (use bbw, harmonic or, "
               "beside a cage, harmonic-cage)");

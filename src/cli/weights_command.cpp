@@ -30,6 +30,8 @@ struct WeightsRequest {
     std::vector<std::string> pins;
     WeightChoice choice;
     HandleChoice handles;
+    std::optional<int> max_iterations;
+    std::optional<double> tolerance;
     std::string output;
     double pin_snap_px = 0;
     WeightSheetOptions sheet;
@@ -58,6 +60,13 @@ struct Subject {
     Rig rig;
     WeightOptions options;
 };
+
+WeightOptions weight_options(const WeightsRequest& request, const WeightOptions& usual) {
+    WeightOptions options = request.choice.options(usual);
+    if (request.max_iterations) options.max_iterations = *request.max_iterations;
+    if (request.tolerance) options.tolerance = *request.tolerance;
+    return options;
+}
 
 void require_good_outputs(std::vector<std::filesystem::path> inputs, const WeightsRequest& request) {
     const Files files{
@@ -108,7 +117,7 @@ Subject subject_of_picture(const WeightsRequest& request) {
 
 Subject subject_of(const WeightsRequest& request) {
     Subject subject = is_mesh_file(request.input) ? subject_of_mesh(request) : subject_of_picture(request);
-    subject.options = request.choice.options(subject.puppet.method.weights);
+    subject.options = weight_options(request, subject.puppet.method.weights);
     subject.puppet.method.weights = subject.options;
     return subject;
 }
@@ -127,7 +136,7 @@ Json weights_json(const Subject& subject, const Weights& weights, const RenderRe
     json["partition_error"] = weights.partition_error;
     json["kkt_residual"] = weights.kkt_residual;
     json["fallback"] = weights.fallback.empty() ? Json(nullptr) : Json(weights.fallback);
-    json["warnings"] = weights.warnings;
+    json["warnings"] = weight_warnings(weights);
     json["timings_ms"] = report_json(times, false)["timings_ms"];
     return json;
 }
@@ -158,7 +167,7 @@ int make_weights(const WeightsRequest& request, const GlobalOptions& global) {
     write_weights(subject, weights, request, progress);
     request.handles.save(subject.puppet, subject.rig);
     timer.end("write");
-    times.warnings = weights.warnings;
+    times.warnings = weight_warnings(weights);
     if (!global.quiet) print_warnings(times);
     request.report.emit(weights_json(subject, weights, times));
     if (global.verbose) print_timings(times);
@@ -187,6 +196,15 @@ void add_weights_command(CLI::App& app, const GlobalOptions& global, int& exit_c
         ->allow_extra_args(false);
     request->choice.add_to(*weights, "--kind");
     request->handles.add_to(*weights);
+    weights
+        ->add_option("--max-iterations", request->max_iterations, "Of bbw, l1 and monotonic, at least 1 (default 200)")
+        ->type_name("N")
+        ->check(above_zero());
+    weights
+        ->add_option("--tolerance", request->tolerance,
+                     "Of bbw, l1 and monotonic: KKT residual to stop at (default 1e-8)")
+        ->type_name("T")
+        ->check(above_zero());
     weights->add_option("--pin-snap", request->pin_snap_px, "Move pins at most PX pixels outside the subject onto it")
         ->type_name("PX")
         ->check(not_negative());

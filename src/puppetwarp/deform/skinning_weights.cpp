@@ -2,11 +2,10 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/weights/weight_problem.h>
+#include <puppetwarp/weights/weight_text.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 namespace puppetwarp {
@@ -28,22 +27,10 @@ void require_fit(const Weights& weights, const TriangleMesh& mesh, const Rig& ri
     }
 }
 
-std::vector<std::string> warnings_of(const Weights& weights) {
-    std::vector<std::string> warnings = weights.warnings;
-    if (!weights.fallback.empty()) warnings.push_back("the weights were finished by " + weights.fallback);
-    if (!weights.converged) {
-        std::array<char, 128> text{};
-        std::snprintf(text.data(), text.size(), "the weights did not converge: KKT residual %.2g after %d iterations",
-                      weights.kkt_residual, weights.iterations);
-        warnings.emplace_back(text.data());
-    }
-    return warnings;
-}
-
 }  // namespace
 
 SkinningWeights::SkinningWeights(const Weights& weights, const TriangleMesh& mesh, const Rig& rig)
-    : columns(weights.columns), imaginary(weights.W_imaginary), warnings(warnings_of(weights)) {
+    : columns(weights.columns), imaginary(weights.W_imaginary), warnings(weight_warnings(weights)) {
     require_fit(weights, mesh, rig);
     rows = weights.W.sparseView(0, 0);
     rows.makeCompressed();

@@ -97,11 +97,11 @@ private:
     // Bertsekas' two-metric projection: what is at a bound and wants to stay is held, a Newton step in the others, bent
     // at the bounds.
     void descend() {
-        result_.safeguarded = true;
         result_.x = clipped(result_.x);
         while (result_.iterations < options_.max_iterations) {
             const Eigen::VectorXd g = gradient();
             if (kkt_residual(result_.x, g) <= sign_) return;
+            result_.safeguarded = true;
             hold_what_stays(g);
             const Eigen::VectorXd target = minimise_inside();
             if (!definite_ || !step_towards(target, g)) return;

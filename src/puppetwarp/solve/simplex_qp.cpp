@@ -146,11 +146,11 @@ private:
 
     // Bertsekas' two-metric projection: shares at 0 that want to stay are held, a Newton step in the others, bent at 0.
     void descend() {
-        result_.safeguarded = true;
         put_on_simplex(result_.W, qp_.given);
         while (result_.iterations < options_.max_iterations) {
             if (simplex_kkt_residual(qp_, result_.W) <= sign_) return;
             const Shares G = product(qp_.Q, result_.W);
+            result_.safeguarded = true;
             hold_what_stays(G);
             const Shares target = minimise_unheld();
             if (!definite_ || !step_towards(target, G)) return;

@@ -71,4 +71,16 @@ std::string weights_dmat(const Weights& weights) {
     return text;
 }
 
+std::vector<std::string> weight_warnings(const Weights& weights) {
+    std::vector<std::string> warnings = weights.warnings;
+    if (!weights.fallback.empty()) warnings.push_back("the weights were finished by " + weights.fallback);
+    if (!weights.converged) {
+        std::array<char, 128> text{};
+        std::snprintf(text.data(), text.size(), "the weights did not converge: KKT residual %.2g after %d iterations",
+                      weights.kkt_residual, weights.iterations);
+        warnings.emplace_back(text.data());
+    }
+    return warnings;
+}
+
 }  // namespace puppetwarp

@@ -3,6 +3,7 @@
 #include <puppetwarp/weights/weights.h>
 
 #include <string>
+#include <vector>
 
 namespace puppetwarp {
 
@@ -17,5 +18,8 @@ std::string weights_csv(const Rig& rig, const Weights& weights);
 //! The text form of libigl's dense matrices: the number of columns and of rows, then all values column by column, one a
 //! line, 17 significant digits. The columns of `weights_csv`.
 std::string weights_dmat(const Weights& weights);
+
+//! What a person should hear of weights: what they warn of, which fallback finished them, that they did not converge.
+std::vector<std::string> weight_warnings(const Weights& weights);
 
 }  // namespace puppetwarp

@@ -318,6 +318,36 @@ INSTANTIATE_TEST_SUITE_P(Methods, Skinning, testing::Values(Method::lbs, Method:
                              return name;
                          });
 
+// p' = sum of w_j T_j p, T_j 2 x 3: each handle with an affine map of its own.
+TEST(LinearBlendSkinning, IsTheWeightedSumOfAffineMapsOfPointsBonesAndRegions) {
+    std::mt19937 engine(23);
+    const auto between = [&](double low, double high) { return low + (high - low) * (engine() / 4294967296.0); };
+    const TriangleMesh mesh = board();
+    const Rig rig = mixed_rig();
+    for (const WeightKind kind : {WeightKind::bbw, WeightKind::harmonic}) {
+        Pose pose;
+        std::vector<Eigen::Matrix<double, 2, 3>> T(rig.handles.size());
+        for (std::size_t h = 0; h < rig.handles.size(); ++h) {
+            std::array<double, 6> entries{};
+            for (std::size_t k = 0; k < 4; ++k) entries[k] = between(-1.5, 1.5);
+            for (std::size_t k = 4; k < 6; ++k) entries[k] = between(-80, 80);
+            // x' = a x + c y + e, y' = b x + d y + f
+            T[h] << entries[0], entries[2], entries[4], entries[1], entries[3], entries[5];
+            pose.handles[rig.handles[h].id].affine = entries;
+        }
+        const Weights weights = weights_of(mesh, rig, kind);
+        const Eigen::MatrixX2d V = deformed(options_of(Method::lbs, kind), mesh, rig, pose).V;
+        for (Eigen::Index v = 0; v < V.rows(); ++v) {
+            const Eigen::Vector3d p(mesh.V(v, 0), mesh.V(v, 1), 1);
+            Eigen::Vector2d expected = Eigen::Vector2d::Zero();
+            for (std::size_t h = 0; h < T.size(); ++h) {
+                expected += weights.W(v, static_cast<Eigen::Index>(h)) * (T[h] * p);
+            }
+            EXPECT_LT((V.row(v).transpose() - expected).norm(), 1e-10);
+        }
+    }
+}
+
 TEST(SkinningMotions, AnglesAddUpAlongABonesChain) {
     Rig rig;
     rig.handles.push_back({"c", BoneHandle{{200, 0}, {300, 0}, "b"}});

@@ -135,7 +135,7 @@ TEST_F(WeightsCommand, HandlesThatCannotBeAreRefusedEverywhere) {
     expect_refused_everywhere(R"({"id": "n", "type": "point", "at": [NaN, 50]})", "is not JSON");
     expect_refused_everywhere(R"({"id": "n", "type": "point", "at": [1e999, 50]})", "too large");
     expect_refused_everywhere(R"({"id": "r", "type": "region", "points": [[90, 90], [90.1, 90], [90, 90.1]]})",
-                              "holds no vertex");
+                              "no vertex of the mesh lies inside the region");
 }
 
 TEST_F(WeightsCommand, OptionsThatCannotBeAreRefused) {

@@ -36,6 +36,7 @@ struct WarpRequest {
     HandleChoice handles;
     std::optional<std::string> canvas;
     std::string interpolation = "bicubic";
+    bool linear = false;
     std::optional<std::string> background;
     std::vector<std::string> overlay;
     std::int64_t max_pixels = ReadOptions().max_pixels;
@@ -105,6 +106,7 @@ RenderOptions render_options(const WarpRequest& request) {
     options.image = request.image;
     options.scale = request.scale;
     options.interpolation = interpolation_from_name(request.interpolation);
+    options.linear = request.linear;
     if (request.canvas) options.canvas = parse_canvas(*request.canvas);
     options.automatic_cage = request.handles.automatic_cage;
     options.pin_snap_px = request.pin_snap_px;
@@ -220,9 +222,11 @@ void add_picture_options(CLI::App& warp, WarpRequest& request) {
                     "Pixels of the result for one of the picture, along each axis (default 1)")
         ->type_name("S")
         ->check(above_zero());
-    warp.add_option("--interpolation", request.interpolation, "nearest, bilinear, bicubic (default)")
+    warp.add_option("--interpolation", request.interpolation, "nearest, bilinear, bicubic (default), lanczos3")
         ->type_name("I")
         ->check(completed_by(interpolation_names()));
+    warp.add_flag("--linear", request.linear,
+                  "Blend in linear light, by the tone curves of the picture's profile, else sRGB's");
     warp.add_option("--background", request.background, "transparent (default), keep, #rrggbb or #rrggbbaa")
         ->type_name("B")
         ->check(completed_by({"transparent", "keep"}));

@@ -62,6 +62,14 @@ Canvas choose_canvas(const CanvasChoice& choice, int width, int height, const Ei
     return choice.kind == CanvasChoice::Kind::keep ? own : grown_canvas(own.width, own.height, moved);
 }
 
+// What the chosen canvas was rounded from.
+Eigen::AlignedBox2d choose_frame(const RenderOptions& options, const Image& image, const Eigen::MatrixX2d& moved) {
+    if (options.canvas.kind == CanvasChoice::Kind::given) return scaled_frame(options.canvas.canvas, options.scale);
+    Eigen::AlignedBox2d frame = scaled_frame({0, 0, image.width(), image.height()}, options.scale);
+    if (options.canvas.kind == CanvasChoice::Kind::keep || moved.rows() == 0) return frame;
+    return frame.extend(Eigen::AlignedBox2d(moved.colwise().minCoeff(), moved.colwise().maxCoeff()));
+}
+
 // The choice in pixels of a picture of another resolution.
 CanvasChoice at_resolution(const CanvasChoice& choice, const Eigen::RowVector2d& resolution) {
     if (choice.kind != CanvasChoice::Kind::given) return choice;
@@ -193,7 +201,8 @@ Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutou
     report.canvas = choose_canvas(options.canvas, image.width(), image.height(), shown, options.scale);
     require_result_size(report.canvas, options.read.max_pixels);
     const Image warped =
-        warp(apply_cutout(image, cutout), mesh, shown, {options.interpolation, report.canvas}, progress);
+        warp(apply_cutout(image, cutout), mesh, shown,
+             {options.interpolation, report.canvas, options.linear, choose_frame(options, image, shown)}, progress);
     const Background background = background_from_name(puppet.background.value_or("transparent"));
     return finished_picture(warped, image, cutout.whole, background, options, report, progress);
 }

@@ -58,6 +58,7 @@ struct RenderOptions {
     std::filesystem::path image;
     double scale = 1;  //!< pixels of the result along each axis for one of the picture that is drawn, above 0
     Interpolation interpolation = Interpolation::bicubic;
+    bool linear = false;  //!< see `WarpOptions`
     CanvasChoice canvas;
     int automatic_cage = 0;               //!< corners of a cage that is put around the subject; 0: none
     double pin_snap_px = 0;               //!< points at most this far outside the subject are moved onto it

@@ -73,8 +73,9 @@ Rendered render_through(const std::filesystem::path& picture, const std::filesys
 
     RenderOptions drawing = options;
     drawing.scale = report.scale = scales.picture;
-    const Image warped = warp_through(image, stored.map,
-                                      {options.interpolation, scales.map.x(), scales.map.y(), report.canvas}, progress);
+    const Image warped =
+        warp_through(image, stored.map,
+                     {options.interpolation, scales.map.x(), scales.map.y(), report.canvas, options.linear}, progress);
     rendered.image = finished_picture(warped, image, !image.has_alpha(), background_from_name(background), drawing,
                                       report, progress);
     timer.end("warp");

@@ -16,8 +16,10 @@ Image at_scale(const Image& image, const RenderOptions& options, Progress& progr
     TriangleMesh whole{Eigen::MatrixX2d(4, 2), Eigen::MatrixX3i(2, 3)};
     whole.V << 0, 0, image.width(), 0, image.width(), image.height(), 0, image.height();
     whole.F << 0, 1, 2, 0, 2, 3;
-    const Canvas canvas = scaled_canvas({0, 0, image.width(), image.height()}, options.scale, options.scale);
-    return warp(image, whole, whole.V * options.scale, {options.interpolation, canvas}, progress);
+    const Canvas own{0, 0, image.width(), image.height()};
+    const WarpOptions whole_picture{options.interpolation, scaled_canvas(own, options.scale, options.scale),
+                                    options.linear, scaled_frame(own, options.scale)};
+    return warp(image, whole, whole.V * options.scale, whole_picture, progress);
 }
 
 }  // namespace
@@ -41,7 +43,7 @@ Image finished_picture(const Image& warped, const Image& original, bool whole, B
     const auto laid_over = [&] {
         const bool shows_original = background.kind == Background::Kind::keep && warped.has_alpha();
         return lay_over(background, warped, shows_original ? at_scale(original, options, progress) : original,
-                        report.canvas);
+                        report.canvas, options.linear);
     };
     Image result = laid_over();
     if (options.format.empty()) return result;

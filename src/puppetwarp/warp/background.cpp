@@ -2,10 +2,12 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/threads.h>
+#include <puppetwarp/warp/light.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -72,11 +74,14 @@ Colour over(const Colour& front, const Colour& back, double full) {
 template <class T>
 class Layers {
 public:
-    Layers(const Background& background, const Image& warped, const Image& original, const Canvas& canvas)
+    //! \param light  for linear light, or null.
+    Layers(const Background& background, const Image& warped, const Image& original, const Canvas& canvas,
+           const detail::LightTables* light)
         : kept_(background.kind == Background::Kind::keep),
           warped_(warped.pixels),
           original_(original.pixels),
-          canvas_(canvas) {
+          canvas_(canvas),
+          light_(light) {
         const auto& rgba = background.rgba;
         if (background.kind == Background::Kind::transparent) return;
         const bool grey = warped_.channels() <= 2;
@@ -131,6 +136,28 @@ private:
         return true;
     }
 
+    Colour blended(const Colour& front, const Colour& back) const {
+        if constexpr (!std::is_floating_point_v<T>) {
+            if (light_ != nullptr) return encoded(over(decoded(front), decoded(back), D::full));
+        }
+        return over(front, back, D::full);
+    }
+
+    // Colours that are whole numbers, to light and back.
+    Colour decoded(Colour colour) const {
+        for (int c = 0; c < colours(); ++c) {
+            colour.channel[c] = static_cast<double>(light_->decode(c)[static_cast<T>(colour.channel[c])]);
+        }
+        return colour;
+    }
+    Colour encoded(Colour colour) const {
+        for (int c = 0; c < colours(); ++c) {
+            colour.channel[c] = light_->encode(c, static_cast<float>(colour.channel[c]));
+        }
+        return colour;
+    }
+    int colours() const { return warped_.channels() <= 2 ? 1 : 3; }
+
     void flatten_row(int y, T* to, int channels) const {
         const int from_channels = warped_.channels();
         const T* from = warped_.ptr<T>(y);
@@ -138,7 +165,7 @@ private:
             if (from[from_channels - 1] >= static_cast<T>(D::full)) {
                 std::copy_n(from, channels, to);
             } else {
-                D::store(over(D::load(from, from_channels), behind(x, y), D::full), channels, to);
+                D::store(blended(D::load(from, from_channels), behind(x, y)), channels, to);
             }
         }
     }
@@ -147,12 +174,16 @@ private:
     const cv::Mat& warped_;
     const cv::Mat& original_;
     Canvas canvas_;
+    const detail::LightTables* light_;
     Colour flat_;
 };
 
 template <class T>
-cv::Mat laid_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas) {
-    const Layers<T> layers(background, warped, original, canvas);
+cv::Mat laid_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas,
+                  bool linear) {
+    const bool decodes = linear && !std::is_floating_point_v<T>;
+    const auto light = decodes ? std::make_unique<detail::LightTables>(original) : nullptr;
+    const Layers<T> layers(background, warped, original, canvas, light.get());
     const bool with_alpha = original.has_alpha() || !layers.opaque();
     if (with_alpha && background.kind == Background::Kind::transparent) return warped.pixels;
     return layers.flattened(with_alpha);
@@ -180,12 +211,13 @@ Background background_from_name(std::string_view name) {
     return background;
 }
 
-Image lay_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas) {
+Image lay_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas,
+               bool linear) {
     if (!warped.has_alpha()) return warped;
     switch (warped.pixels.depth()) {
-        case CV_8U: return {laid_over<std::uint8_t>(background, warped, original, canvas), warped.metadata};
-        case CV_16U: return {laid_over<std::uint16_t>(background, warped, original, canvas), warped.metadata};
-        default: return {laid_over<float>(background, warped, original, canvas), warped.metadata};
+        case CV_8U: return {laid_over<std::uint8_t>(background, warped, original, canvas, linear), warped.metadata};
+        case CV_16U: return {laid_over<std::uint16_t>(background, warped, original, canvas, linear), warped.metadata};
+        default: return {laid_over<float>(background, warped, original, canvas, linear), warped.metadata};
     }
 }
 

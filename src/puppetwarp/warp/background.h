@@ -20,8 +20,10 @@ Background background_from_name(std::string_view name);
 //! Lays a warped picture over a background.
 //! \param original  the picture before the warp, for `keep`: shown where the canvas meets it.
 //! \param canvas    which part of image space `warped` shows.
+//! \param linear    whether colours are blended in linear light, as `WarpOptions::linear`.
 //! Grey pictures stay grey: a colour is laid down as its luma.
 //! The result has alpha when `original` has, or when some pixel does not end up opaque.
-Image lay_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas);
+Image lay_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas,
+               bool linear = false);
 
 }  // namespace puppetwarp

@@ -74,7 +74,7 @@ void DisplacementRows::Drawn::fill_run(const detail::FaceMap& map, int row, int 
                                        float* weights) const {
     const double x = static_cast<double>(input.canvas.x) + first + 0.5;
     const double y = static_cast<double>(input.canvas.y) + row + 0.5;
-    const detail::Run run = map.run(x, y, 1, count);
+    const detail::Run run = map.run(x, y, count);
     std::array<float, longest_run> fronts, kepts;
     if (weights != nullptr) alpha->alpha(run, fronts.data());
     if (kept) kept->alpha(run, kepts.data());

@@ -75,7 +75,8 @@ struct ThroughMapOptions {
     Interpolation interpolation = Interpolation::bicubic;
     double x_magnification = 1;  //!< pixels of the output for one of the map, above 0
     double y_magnification = 1;
-    Canvas canvas;  //!< in pixels of the output; of no size: all that the map holds
+    Canvas canvas;        //!< in pixels of the output; of no size: all that the map holds
+    bool linear = false;  //!< as in `WarpOptions`
 };
 
 //! Draws a picture through a displacement map: `warp`, with the places read instead of computed.

@@ -1,110 +1,70 @@
 #pragma once
 
-#include <puppetwarp/warp/sampling.h>
-
-#include <algorithm>
-#include <cstring>
-#include <limits>
-#include <type_traits>
+#include <puppetwarp/warp/filter_tables.h>
+#include <puppetwarp/warp/pixel_codec.h>
 
 // One pixel from its taps, as sampling.h specifies, in portable code.
 namespace puppetwarp::detail {
-
-//! Four binary32 numbers: the channels of a pixel. Element-wise, so the same bits whatever the compiler makes of it.
-using Four = float __attribute__((vector_size(16)));
-
-//! How pixels of one depth and number of channels are stored.
-template <class T, int C>
-struct Pixel {
-    static constexpr bool is_float = std::is_floating_point_v<T>;
-    static constexpr bool has_alpha = C % 2 == 0;
-    static constexpr int alpha = C - 1;  // its index, with has_alpha
-    static constexpr float full = is_float ? 1.0F : static_cast<float>(std::numeric_limits<T>::max());
-
-    static Four load(const T* p) {
-        Four value = {};
-        for (int c = 0; c < C; ++c) value[c] = static_cast<float>(p[c]);
-        return value;
-    }
-
-    static T rounded(float value) {
-        if constexpr (is_float) {
-            return value;
-        } else {
-            return static_cast<T>(static_cast<int>(std::clamp(value + 0.5F, 0.0F, full)));
-        }
-    }
-
-    //! Colour multiplied by alpha.
-    static Four premultiplied(const T* p) {
-        const Four value = load(p);
-        const float a = value[alpha];
-        Four factor = {a, a, a, a};
-        factor[alpha] = 1;
-        return value * factor;
-    }
-
-    //! Straight from premultiplied, rounded. \param fade  factor of alpha.
-    static void store_straight(Four value, float fade, T* out) {
-        const float a = value[alpha];
-        const float shown = std::clamp(a, 0.0F, full) * fade;
-        if (is_float ? !(shown >= 0x1p-20F) : shown < 0.5F) {
-            std::fill_n(out, C, T{});
-            return;
-        }
-        const Four straight = value / Four{a, a, a, a};
-        for (int c = 0; c < alpha; ++c) out[c] = rounded(straight[c]);
-        out[alpha] = rounded(shown);
-    }
-
-    static void store(Four value, T* out) {
-        for (int c = 0; c < C; ++c) out[c] = rounded(value[c]);
-    }
-};
 
 inline float leading_bits(std::uint32_t fraction) {
     return static_cast<float>(static_cast<std::int32_t>(fraction >> 9)) * 0x1p-23F;
 }
 
-//! Where a pixel's taps begin, and how far into it the position lies.
-struct Position {
-    int x, y;
-    std::uint32_t fx, fy;
+inline std::uint32_t nearest_phase(std::uint32_t fraction) {
+    return ((fraction >> 21) + 1) >> 1;
+}
 
-    Position(std::int64_t u, std::int64_t v)
-        : x(static_cast<int>(u >> 32)),
-          y(static_cast<int>(v >> 32)),
-          fx(static_cast<std::uint32_t>(u)),
-          fy(static_cast<std::uint32_t>(v)) {}
+//! How far into its pixel a position lies.
+struct Fractions {
+    std::uint32_t x, y;
+
+    Fractions(std::uint32_t fx, std::uint32_t fy) : x(fx), y(fy) {}
+    Fractions(std::int64_t u, std::int64_t v) : x(static_cast<std::uint32_t>(u)), y(static_cast<std::uint32_t>(v)) {}
 };
 
-//! Pointers to N x N taps around a position.
+//! Taps inside the picture.
+template <class T, int C>
+struct InsideTaps {
+    const std::uint8_t* first;
+    std::size_t step;
+
+    InsideTaps(const Source& source, std::uint32_t index)
+        : first(source.data + std::size_t{index} * sizeof(T)), step(source.step) {}
+
+    const T* operator()(int row, int column) const {
+        return reinterpret_cast<const T*>(first + static_cast<std::size_t>(row) * step) + C * column;
+    }
+};
+
+//! N x N taps anywhere: outside the picture its border is repeated.
 template <class T, int C, int N>
-struct Taps {
-    const T* row[N];
-    int column[N];  // in elements
+struct ClampedTaps {
+    const T* rows[N];
+    int columns[N];  // in channels
 
-    //! \param first_x,first_y  of the first tap.
-    Taps(const SourceView& source, int first_x, int first_y) {
-        const auto at = [&](int y) {
-            return reinterpret_cast<const T*>(source.data + static_cast<std::size_t>(y) * source.step);
-        };
+    //! \param x,y  of the first tap.
+    ClampedTaps(const Source& source, std::int64_t x, std::int64_t y) {
         for (int k = 0; k < N; ++k) {
-            row[k] = at(std::clamp(first_y + k, 0, source.height - 1));
-            column[k] = C * std::clamp(first_x + k, 0, source.width - 1);
+            const auto row = static_cast<std::size_t>(std::clamp<std::int64_t>(y + k, 0, source.height - 1));
+            rows[k] = reinterpret_cast<const T*>(source.data + row * source.step);
+            columns[k] = C * static_cast<int>(std::clamp<std::int64_t>(x + k, 0, source.width - 1));
         }
     }
 
-    const T* operator()(int r, int c) const { return row[r] + column[c]; }
-
-    bool opaque() const {
-        bool all = true;
-        for (int r = 0; r < N; ++r) {
-            for (int c = 0; c < N; ++c) all &= static_cast<float>((*this)(r, c)[C - 1]) == Pixel<T, C>::full;
-        }
-        return all;
-    }
+    const T* operator()(int row, int column) const { return rows[row] + columns[column]; }
 };
+
+//! Whether all N x N taps have full alpha, or none at all.
+template <class Codec, int N, class Taps>
+bool opaque(const Taps& tap) {
+    if constexpr (!Codec::has_alpha) return true;
+    for (int row = 0; row < N; ++row) {
+        for (int column = 0; column < N; ++column) {
+            if (tap(row, column)[Codec::channels - 1] != Codec::full_value) return false;
+        }
+    }
+    return true;
+}
 
 //! Alpha's factor outside the picture.
 inline float fade_along(std::int64_t u, int size) {
@@ -113,7 +73,7 @@ inline float fade_along(std::int64_t u, int size) {
     return std::clamp(static_cast<float>(inside) * 0x1p-31F, 0.0F, 1.0F);
 }
 
-inline float fade_at(const SourceView& source, std::int64_t u, std::int64_t v) {
+inline float fade_at(const Source& source, std::int64_t u, std::int64_t v) {
     return fade_along(u, source.width) * fade_along(v, source.height);
 }
 
@@ -121,20 +81,20 @@ struct Bilinear {
     static constexpr int taps = 2;
     static constexpr int before = 0;  // taps before floor(u)
 
-    template <int C>
-    static void store_opaque(const Taps<std::uint8_t, C, 2>& tap, const Position& at, std::uint8_t* out) {
-        const int fx = static_cast<int>(at.fx >> 17), fy = static_cast<int>(at.fy >> 17);
+    template <int C, class Taps>
+    static void store_opaque(const Taps& tap, Fractions at, std::uint8_t* out) {
+        const int fx = static_cast<int>(at.x >> 17), fy = static_cast<int>(at.y >> 17);
         const auto lerp = [](int a, int b, int f) { return a + (((b - a) * f + (1 << 14)) >> 15); };
         for (int c = 0; c < C; ++c) {
-            const int left = lerp(tap(0, 0)[c] << 7, tap(1, 0)[c] << 7, fy);
-            const int right = lerp(tap(0, 1)[c] << 7, tap(1, 1)[c] << 7, fy);
-            out[c] = static_cast<std::uint8_t>((lerp(left, right, fx) + 64) >> 7);
+            const int left = lerp(tap(0, 0)[c] << 6, tap(1, 0)[c] << 6, fy);
+            const int right = lerp(tap(0, 1)[c] << 6, tap(1, 1)[c] << 6, fy);
+            out[c] = static_cast<std::uint8_t>((lerp(left, right, fx) + 32) >> 6);
         }
     }
 
-    template <class T, int C, class Load>
-    static Four blend(const Taps<T, C, 2>& tap, const Position& at, const Load& load) {
-        const float fx = leading_bits(at.fx), fy = leading_bits(at.fy);
+    template <class Taps, class Load>
+    static Four blend(const Taps& tap, Fractions at, const Load& load) {
+        const float fx = leading_bits(at.x), fy = leading_bits(at.y);
         const Four a = load(tap(0, 0)), b = load(tap(0, 1));
         const Four left = a + (load(tap(1, 0)) - a) * fy;
         const Four right = b + (load(tap(1, 1)) - b) * fy;
@@ -142,27 +102,28 @@ struct Bilinear {
     }
 };
 
+//! 8 bits through weights in Q14, `stride` a phase.
+template <int C, int N, class Taps>
+void store_weighted(const Taps& tap, const std::int16_t* wx, const std::int16_t* wy, std::uint8_t* out) {
+    for (int c = 0; c < C; ++c) {
+        int sum = (1 << 19) + (1 << 13);
+        for (int row = 0; row < N; ++row) {
+            int along = 0;
+            for (int column = 0; column < N; ++column) along += tap(row, column)[c] * wx[column];
+            sum += (along >> 8) * wy[row];
+        }
+        out[c] = static_cast<std::uint8_t>(std::clamp(sum >> 20, 0, 255));
+    }
+}
+
 struct Bicubic {
     static constexpr int taps = 4;
     static constexpr int before = 1;
 
-    static const std::int16_t* weights(std::uint32_t fraction) {
-        return cubic_weight_table() + 4 * (((fraction >> 21) + 1) >> 1);
-    }
-
-    template <int C>
-    static void store_opaque(const Taps<std::uint8_t, C, 4>& tap, const Position& at, std::uint8_t* out) {
-        const std::int16_t* wx = weights(at.fx);
-        const std::int16_t* wy = weights(at.fy);
-        for (int c = 0; c < C; ++c) {
-            int sum = 0;
-            for (int k = 0; k < 4; ++k) {
-                const int column =
-                    tap(0, k)[c] * wy[0] + tap(1, k)[c] * wy[1] + tap(2, k)[c] * wy[2] + tap(3, k)[c] * wy[3];
-                sum += ((column + 128) >> 8) * wx[k];
-            }
-            out[c] = static_cast<std::uint8_t>(std::clamp((sum + (1 << 19)) >> 20, 0, 255));
-        }
+    template <int C, class Taps>
+    static void store_opaque(const Taps& tap, Fractions at, std::uint8_t* out) {
+        const std::int16_t* table = cubic_weights_q14();
+        store_weighted<C, 4>(tap, table + 4 * nearest_phase(at.x), table + 4 * nearest_phase(at.y), out);
     }
 
     struct Weights {
@@ -176,14 +137,50 @@ struct Bicubic {
         }
     };
 
-    template <class T, int C, class Load>
-    static Four blend(const Taps<T, C, 4>& tap, const Position& at, const Load& load) {
-        const Weights wx(leading_bits(at.fx)), wy(leading_bits(at.fy));
+    template <class Taps, class Load>
+    static Four blend(const Taps& tap, Fractions at, const Load& load) {
+        const Weights wx(leading_bits(at.x)), wy(leading_bits(at.y));
         Four column[4];
         for (int k = 0; k < 4; ++k) {
             column[k] = wy(load(tap(0, k)), load(tap(1, k)), load(tap(2, k)), load(tap(3, k)));
         }
         return wx(column[0], column[1], column[2], column[3]);
+    }
+};
+
+struct Lanczos3 {
+    static constexpr int taps = 6;
+    static constexpr int before = 2;
+
+    template <int C, class Taps>
+    static void store_opaque(const Taps& tap, Fractions at, std::uint8_t* out) {
+        const std::int16_t* table = lanczos_weights_q14();
+        store_weighted<C, 6>(tap, table + 8 * nearest_phase(at.x), table + 8 * nearest_phase(at.y), out);
+    }
+
+    struct Weights {
+        float w[6];
+        explicit Weights(std::uint32_t fraction) {
+            const float* before = lanczos_weights() + 8 * (fraction >> 22);
+            const float t = static_cast<float>(static_cast<std::int32_t>(fraction & 0x3fffff)) * 0x1p-22F;
+            for (int k = 0; k < 6; ++k) w[k] = before[k] + (before[k + 8] - before[k]) * t;
+        }
+        Four operator()(const Four* p) const {
+            return p[2] + (p[0] - p[2]) * w[0] + (p[1] - p[2]) * w[1] + (p[3] - p[2]) * w[3] + (p[4] - p[2]) * w[4] +
+                   (p[5] - p[2]) * w[5];
+        }
+    };
+
+    template <class Taps, class Load>
+    static Four blend(const Taps& tap, Fractions at, const Load& load) {
+        const Weights wx(at.x), wy(at.y);
+        Four column[6];
+        for (int k = 0; k < 6; ++k) {
+            Four tap_column[6];
+            for (int row = 0; row < 6; ++row) tap_column[row] = load(tap(row, k));
+            column[k] = wy(tap_column);
+        }
+        return wx(column);
     }
 };
 

@@ -1,4 +1,4 @@
-#include <puppetwarp/warp/filters.h>
+#include <puppetwarp/warp/pixel_codec.h>
 #include <puppetwarp/warp/pixel_ops.h>
 
 #include <cmath>
@@ -7,23 +7,23 @@ namespace puppetwarp::detail {
 
 namespace {
 
-template <class T, int C>
+template <class T>
 T rounded(double value) {
-    if constexpr (Pixel<T, C>::is_float) {
+    if constexpr (std::is_floating_point_v<T>) {
         return static_cast<T>(value);
     } else {
-        return static_cast<T>(std::clamp(value + 0.5, 0.0, static_cast<double>(Pixel<T, C>::full)));
+        return static_cast<T>(std::clamp(value + 0.5, 0.0, static_cast<double>(std::numeric_limits<T>::max())));
     }
 }
 
 template <class T, int C, bool AddsAlpha>
 void copy_pixel(const T* from, T* to) {
     std::memcpy(to, from, sizeof(T) * C);
-    if constexpr (AddsAlpha) to[C] = static_cast<T>(Pixel<T, C>::full);
+    if constexpr (AddsAlpha) to[C] = Encoded<T, C>::full_value;
 }
 
 template <class T, int C, bool AddsAlpha>
-void copy(const SourceView& source, std::int64_t x, std::int64_t y, int count, void* out) {
+void copy(const Source& source, std::int64_t x, std::int64_t y, int count, void* out) {
     constexpr int out_channels = C + AddsAlpha;
     T* to = static_cast<T*>(out);
     const auto row = std::clamp<std::int64_t>(y, 0, source.height - 1);
@@ -33,7 +33,7 @@ void copy(const SourceView& source, std::int64_t x, std::int64_t y, int count, v
     const auto outside = [&](int first, int last, int column) {
         for (int i = first; i < last; ++i) copy_pixel<T, C, AddsAlpha>(from + C * column, to + out_channels * i);
     };
-    if (Pixel<T, C>::has_alpha) {
+    if (Encoded<T, C>::has_alpha) {
         if (row != y) {
             std::fill_n(to, C * count, T{});
             return;
@@ -78,10 +78,26 @@ bool any_alpha(const void* pixels, int count) {
     return found != 0;
 }
 
-template <class T, int C>
-void pixel_over(const T* front, T* back) {
+// As they are stored.
+template <class T>
+struct AsStored {
+    double value(int, T stored) const { return static_cast<double>(stored); }
+    T stored(int, double value) const { return rounded<T>(value); }
+};
+
+template <class T>
+struct AsLight {
+    const LightTables& light;
+    double value(int channel, T stored) const { return static_cast<double>(light.decode(channel)[stored]); }
+    T stored(int channel, double value) const {
+        return static_cast<T>(light.encode(channel, static_cast<float>(value)));
+    }
+};
+
+template <class T, int C, class Colours>
+void pixel_over(const Colours& colours, const T* front, T* back) {
     constexpr int alpha = C - 1;
-    constexpr double full = Pixel<T, C>::full;
+    constexpr double full = Encoded<T, C>::full;
     const double front_alpha = front[alpha], back_alpha = back[alpha];
     if (front_alpha <= 0) return;
     if (front_alpha >= full || back_alpha <= 0) {
@@ -92,51 +108,40 @@ void pixel_over(const T* front, T* back) {
     const double back_weight = back_alpha * (full - front_alpha);
     const double weight = front_weight + back_weight;
     for (int c = 0; c < alpha; ++c) {
-        back[c] = rounded<T, C>((front[c] * front_weight + back[c] * back_weight) / weight);
+        const double sum = colours.value(c, front[c]) * front_weight + colours.value(c, back[c]) * back_weight;
+        back[c] = colours.stored(c, sum / weight);
     }
-    back[alpha] = rounded<T, C>(weight / full);
+    back[alpha] = rounded<T>(weight / full);
 }
 
 template <class T, int C>
-void over(const void* front, void* back, int count) {
+void over(const LightTables* light, const void* front, void* back, int count) {
     const T* from = static_cast<const T*>(front);
     T* to = static_cast<T*>(back);
-    for (int i = 0; i < count; ++i) pixel_over<T, C>(from + C * i, to + C * i);
+    if constexpr (!std::is_floating_point_v<T>) {
+        if (light != nullptr) {
+            for (int i = 0; i < count; ++i) pixel_over<T, C>(AsLight<T>{*light}, from + C * i, to + C * i);
+            return;
+        }
+    }
+    for (int i = 0; i < count; ++i) pixel_over<T, C>(AsStored<T>(), from + C * i, to + C * i);
 }
 
 template <class T, int C>
-void add_samples(const void* samples, int count, int group, double* sums) {
-    const T* p = static_cast<const T*>(samples);
-    for (int i = 0; i < count; ++i, sums += 4) {
-        for (int k = 0; k < group; ++k, p += C) {
-            const double weight = Pixel<T, C>::has_alpha ? static_cast<double>(p[C - 1]) : 1.0;
-            for (int c = 0; c < C - Pixel<T, C>::has_alpha; ++c) sums[c] += p[c] * weight;
-            if (Pixel<T, C>::has_alpha) sums[C - 1] += weight;
-        }
-    }
-}
-
-template <class T, int C>
-void store_means(const double* sums, int count, int samples, void* out) {
-    T* p = static_cast<T*>(out);
-    for (int i = 0; i < count; ++i, sums += 4, p += C) {
-        const double weight = Pixel<T, C>::has_alpha ? sums[C - 1] : samples;
-        if (weight <= 0) {
-            std::fill_n(p, C, T{});
-            continue;
-        }
-        for (int c = 0; c < C; ++c) p[c] = rounded<T, C>(sums[c] / weight);
-        if (Pixel<T, C>::has_alpha) p[C - 1] = rounded<T, C>(weight / samples);
-    }
+void fade(void* pixel, float coverage) {
+    T* p = static_cast<T*>(pixel);
+    p[C - 1] = rounded<T>(static_cast<float>(p[C - 1]) * coverage);
+    if (p[C - 1] == 0) std::fill_n(p, C, T{});
 }
 
 template <class T, int C, bool AddsAlpha>
 PixelOps ops() {
     constexpr int out = C + AddsAlpha;
-    PixelOps result{copy<T, C, AddsAlpha>, nullptr, nullptr, add_samples<T, out>, store_means<T, out>};
+    PixelOps result{copy<T, C, AddsAlpha>, nullptr, nullptr, nullptr};
     if constexpr (out % 2 == 0) {
         result.any_alpha = any_alpha<T, out>;
         result.over = over<T, out>;
+        result.fade = fade<T, out>;
     }
     return result;
 }

@@ -1,6 +1,6 @@
 #include <puppetwarp/warp/point_sampler.h>
 
-#include <puppetwarp/warp/face_map.h>
+#include <puppetwarp/warp/filters.h>
 
 #include <algorithm>
 #include <array>
@@ -10,63 +10,94 @@ namespace puppetwarp::detail {
 
 namespace {
 
-int samples_for(const Eigen::Matrix2d& slope, double noise) {
-    if (slope.squaredNorm() <= single_sample_limit * single_sample_limit) return 1;
-    const double same = std::hypot(slope(0, 0) + slope(1, 1), slope(1, 0) - slope(0, 1));
-    const double opposite = std::hypot(slope(0, 0) - slope(1, 1), slope(1, 0) + slope(0, 1));
-    const double largest_stretch = (same + opposite) / 2;
-    if (!(largest_stretch > single_sample_limit + noise)) return 1;
-    return static_cast<int>(std::ceil(std::min<double>(largest_stretch - noise, most_samples)));
-}
-
 std::int64_t fixed_point(double value) {
     return static_cast<std::int64_t>(std::llround(value * fixed_one));
 }
 
+// The shape for steps that are shorter by the noise.
+Footprint shape_of(const Eigen::Matrix2d& slope, double noise, Interpolation interpolation, int top_level) {
+    const Eigen::Array2d lengths = slope.colwise().norm().transpose();
+    const Eigen::Array2d shorter = (lengths > noise).select(1 - noise / lengths, 0);
+    return footprint(slope * shorter.matrix().asDiagonal(), interpolation, top_level);
+}
+
+std::unique_ptr<LightTables> light_of(const Image& image, bool linear) {
+    return linear && image.pixels.depth() != CV_32F ? std::make_unique<LightTables>(image) : nullptr;
+}
+
 }  // namespace
 
-PointSampler::PointSampler(const Image& image, bool adds_alpha, Interpolation interpolation)
+PointSampler::PointSampler(const Image& image, bool adds_alpha, Interpolation interpolation, bool linear)
     : pixels_(image.pixels),
-      source_{pixels_.data, pixels_.step[0], pixels_.cols, pixels_.rows},
       format_{pixels_.depth(), pixels_.channels(), adds_alpha},
+      light_(light_of(image, linear)),
+      source_(source_of(pixels_, format_, light_.get())),
       interpolation_(interpolation),
-      sample_run_(find_run_sampler(format_, interpolation, best_simd(), source_)),
-      sample_one_(find_scalar_sampler(format_, interpolation)),
-      ops_(find_pixel_ops(format_)) {}
+      samplers_(find_samplers(format_, interpolation, light_ != nullptr, best_simd())),
+      single_(source_, samplers_.single),
+      level_sampler_(level_sampler(format_.channels, interpolation, Simd::scalar)),
+      ops_(find_pixel_ops(format_)),
+      top_level_(highest_level(source_.width, source_.height)) {}
 
 void PointSampler::sample(const Point& at, const Eigen::Matrix2d& slope, double slope_noise, void* pixel) const {
-    const int samples = interpolation_ == Interpolation::nearest ? 1 : samples_for(slope, slope_noise);
+    const Footprint shape = shape_of(slope, slope_noise, interpolation_, top_level_);
     const Point corner = at - Point(0.5, 0.5);
-    if (samples > 1) {
-        supersample(at, slope, samples, pixel);
+    if (shape.samples() > 1 || shape.level > 0) {
+        sample_several(at, slope, shape, pixel);
     } else if (corner == corner.array().round().matrix()) {
         ops_.copy(source_, std::lround(corner.x()), std::lround(corner.y()), 1, pixel);
     } else {
-        sample_one_(source_, {fixed_point(corner.x()), fixed_point(corner.y()), 0, 0, 1}, pixel);
+        sample_one({fixed_point(corner.x()), fixed_point(corner.y()), 0, 0, 1}, pixel);
     }
 }
 
-// The pixel's square on a grid, as `warp` has it for the pixels of a triangle.
-void PointSampler::supersample(const Point& at, const Eigen::Matrix2d& slope, int samples, void* pixel) const {
-    alignas(16) std::array<unsigned char, most_samples * 4 * sizeof(float)> row;
-    std::array<double, 4> sums{};
-    const double step = 1.0 / samples;
-    const Point along = slope.col(0) * step;
-    for (int k = 0; k < samples; ++k) {
-        const Point offset((step - 1) / 2, (k + 0.5) * step - 0.5);
-        const Point corner = at + slope * offset - Point(0.5, 0.5);
-        sample_one_(
-            source_,
-            {fixed_point(corner.x()), fixed_point(corner.y()), fixed_point(along.x()), fixed_point(along.y()), samples},
-            row.data());
-        ops_.add_samples(row.data(), 1, samples, sums.data());
+// The pixel's square by a grid of samples, as `warp` has it for the pixels of a triangle.
+void PointSampler::sample_several(const Point& at, const Eigen::Matrix2d& slope, const Footprint& shape,
+                                  void* pixel) const {
+    const ViewFrame frame = shape.level == 0 ? ViewFrame() : pyramid().frame(shape.level);
+    const Source view = shape.level == 0 ? source_ : pyramid().level(shape.level);
+    const Sampler& sampler = shape.level == 0 ? samplers_.several : level_sampler_;
+    std::array<Four, most_samples> samples{};
+    std::array<float, most_samples> fades{};
+    for (int k = 0; k < shape.samples(); ++k) {
+        const auto slot = static_cast<std::size_t>(k);
+        const Point place = at + slope * shape.offset_px(k);
+        const Point frame_corner(static_cast<double>(frame.x), static_cast<double>(frame.y));
+        const Point corner = (place - frame_corner) / static_cast<double>(frame.size) - Point(0.5, 0.5);
+        sampler.sample_anywhere(view, {fixed_point(corner.x()), fixed_point(corner.y()), 0, 0, 1}, &samples[slot]);
+        fades[slot] = format_.channels % 2 == 1
+                          ? 1
+                          : fade_at(source_, fixed_point(place.x() - 0.5), fixed_point(place.y() - 0.5));
     }
-    ops_.store_means(sums.data(), 1, samples * samples, pixel);
+    samplers_.store(source_, samples.data(), fades.data(), 1, shape.samples(), pixel);
+}
+
+void PointSampler::sample_one(const Run& at, void* pixel) const {
+    const Sampler& sampler = single_.sampler;
+    if (sampler.gives_pixels) {
+        sampler.sample_anywhere(source_, at, pixel);
+        return;
+    }
+    Four sample;
+    sampler.sample_anywhere(source_, at, &sample);
+    const float fade = format_.channels % 2 == 1 ? 1 : fade_at(source_, at.u, at.v);
+    samplers_.store(source_, &sample, &fade, 1, 1, pixel);
+}
+
+const Pyramid& PointSampler::pyramid() const {
+    std::call_once(pyramid_made_, [&] {
+        pyramid_ = Pyramid(source_, samplers_.read, {0, 0, source_.width, source_.height}, top_level_);
+    });
+    return pyramid_;
 }
 
 void PointSampler::alpha(const Run& run, float* alpha) const {
-    alignas(16) std::array<unsigned char, longest_run * 4 * sizeof(float)> pixels;
-    sample_run_(source_, run, pixels.data());
+    std::array<unsigned char, longest_run * 4 * sizeof(float)> pixels;
+    cv::Mat row(1, run.count, CV_MAKETYPE(format_.depth, format_.out_channels()), pixels.data());
+    Batch batch(format_, ops_, samplers_.store, source_, row);
+    batch.expect_overlaps(false);
+    batch.sample(single_, {0, 0, run.count}, &run, 1);
+    batch.flush();
     switch (format_.depth) {
         case CV_8U: take_alpha<std::uint8_t>(pixels.data(), run.count, 1 / 255.0F, alpha); break;
         case CV_16U: take_alpha<std::uint16_t>(pixels.data(), run.count, 1 / 65535.0F, alpha); break;

@@ -2,8 +2,17 @@
 
 #include <puppetwarp/base/image.h>
 #include <puppetwarp/base/point.h>
+#include <puppetwarp/warp/batch.h>
+#include <puppetwarp/warp/footprint.h>
+#include <puppetwarp/warp/light.h>
 #include <puppetwarp/warp/pixel_ops.h>
+#include <puppetwarp/warp/pyramid.h>
 #include <puppetwarp/warp/sampling.h>
+
+#include <opencv2/core/mat.hpp>
+
+#include <memory>
+#include <mutex>
 
 namespace puppetwarp::detail {
 
@@ -12,7 +21,8 @@ namespace puppetwarp::detail {
 class PointSampler {
 public:
     //! \param adds_alpha  what is sampled gets full alpha, which the picture has not.
-    PointSampler(const Image& image, bool adds_alpha, Interpolation interpolation);
+    //! \param linear      in linear light, as `WarpOptions::linear`.
+    PointSampler(const Image& image, bool adds_alpha, Interpolation interpolation, bool linear = false);
 
     const PixelFormat& format() const { return format_; }
 
@@ -28,17 +38,24 @@ public:
     static constexpr int longest_run = 256;
 
 private:
-    void supersample(const Point& at, const Eigen::Matrix2d& slope, int samples, void* pixel) const;
+    void sample_several(const Point& at, const Eigen::Matrix2d& slope, const Footprint& shape, void* pixel) const;
+    void sample_one(const Run& at, void* pixel) const;
+    const Pyramid& pyramid() const;
     template <class T>
     void take_alpha(const void* pixels, int count, float unit, float* alpha) const;
 
     cv::Mat pixels_;
-    SourceView source_;
     PixelFormat format_;
+    std::unique_ptr<LightTables> light_;
+    Source source_;
     Interpolation interpolation_;
-    RunSampler sample_run_;
-    RunSampler sample_one_;
+    Samplers samplers_;
+    SampledView single_;
+    Sampler level_sampler_;
     PixelOps ops_;
+    int top_level_;
+    mutable std::once_flag pyramid_made_;  // by the first place that needs it
+    mutable Pyramid pyramid_;
 };
 
 }  // namespace puppetwarp::detail

@@ -1,7 +1,5 @@
 #include <puppetwarp/warp/sampling.h>
 
-#include <limits>
-
 namespace puppetwarp::detail {
 
 Simd best_simd() {
@@ -12,18 +10,45 @@ Simd best_simd() {
     return Simd::scalar;
 }
 
-RunSampler find_run_sampler(const PixelFormat& format, Interpolation interpolation, Simd simd,
-                            const SourceView& source) {
-    // SIMD code adds 32-bit offsets to the address of the picture.
-    const bool addressable =
-        source.step * static_cast<std::size_t>(source.height) < std::size_t{std::numeric_limits<std::int32_t>::max()};
-    if (addressable && simd == Simd::avx2) {
-        if (const RunSampler sampler = find_avx2_sampler(format, interpolation)) return sampler;
+namespace {
+
+void place_portable(const Source& source, const Span* spans, int count, const Steps* steps, const Places& places) {
+    const auto row = static_cast<std::uint32_t>(source.step / source.channel_bytes);
+    const auto pixel = static_cast<std::uint32_t>(source.channels);
+    std::uint32_t *first = places.first, *fx = places.fx, *fy = places.fy;
+    for (const Span* span = spans; span != spans + count; ++span) {
+        std::int64_t u = span->u, v = span->v;
+        const Steps& step = steps[span->steps];
+        for (int i = 0; i < span->count; ++i, u += step.du, v += step.dv) {
+            *first++ = static_cast<std::uint32_t>(v >> 32) * row + static_cast<std::uint32_t>(u >> 32) * pixel;
+            *fx++ = static_cast<std::uint32_t>(u);
+            *fy++ = static_cast<std::uint32_t>(v);
+        }
     }
-    if (addressable && simd >= Simd::sse41) {
-        if (const RunSampler sampler = find_sse41_sampler(format, interpolation)) return sampler;
-    }
-    return find_scalar_sampler(format, interpolation);
+}
+
+void accelerate(const Stored& stored, Interpolation interpolation, Simd simd, Sampler& sampler) {
+    sampler.place = place_portable;
+    if (simd >= Simd::sse41) accelerate_sse41(stored, interpolation, sampler);
+    if (simd == Simd::avx2) accelerate_avx2(stored, interpolation, sampler);
+}
+
+}  // namespace
+
+Samplers find_samplers(const PixelFormat& format, Interpolation interpolation, bool linear, Simd simd) {
+    Samplers samplers = format.depth == CV_8U    ? portable_samplers_8(format, interpolation, linear)
+                        : format.depth == CV_16U ? portable_samplers_16(format, interpolation, linear)
+                                                 : portable_samplers_float(format, interpolation);
+    const Stored stored{format.depth, format.channels, linear ? Stored::As::decoded : Stored::As::encoded};
+    accelerate(stored, interpolation, simd, samplers.single);
+    accelerate(stored, interpolation, simd, samplers.several);
+    return samplers;
+}
+
+Sampler level_sampler(int channels, Interpolation interpolation, Simd simd) {
+    Sampler sampler = portable_level_sampler(channels, interpolation);
+    accelerate({CV_32F, channels, Stored::As::premultiplied}, interpolation, simd, sampler);
+    return sampler;
 }
 
 }  // namespace puppetwarp::detail

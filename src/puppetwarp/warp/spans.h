@@ -139,6 +139,10 @@ public:
     SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Canvas& canvas);
 
     int triangle_count() const { return static_cast<int>(rows_.size()); }
+    const Canvas& canvas() const { return canvas_; }
+    SnappedPoint corner(int triangle, int k) const { return points_[static_cast<std::size_t>(faces_(triangle, k))]; }
+    //! False for triangles that are flipped or without area.
+    bool drawn(int triangle) const { return drawn_[static_cast<std::size_t>(triangle)] != 0; }
     //! Rows in which a triangle may have pixels; none when it is flipped, without area or beside the canvas.
     RowRange rows(int triangle) const { return rows_[static_cast<std::size_t>(triangle)]; }
 
@@ -166,15 +170,18 @@ public:
 
     //! True when every pixel of the canvas is held by some triangle.
     bool covers_canvas() const;
+    //! How many triangles hold the first pixel: as many as hold any, when no border passes through the canvas.
+    int layers_on_first_pixel() const;
 
 private:
-    SnappedPoint corner(int triangle, int k) const { return points_[static_cast<std::size_t>(faces_(triangle, k))]; }
-    RowRange rows_of(int triangle, const Eigen::MatrixX2d& rest) const;
+    bool keeps_orientation(int triangle, const Eigen::MatrixX2d& rest) const;
+    RowRange rows_of(int triangle) const;
     bool covers(RowRange band) const;
 
     const Eigen::MatrixX3i& faces_;
     Canvas canvas_;
     std::vector<SnappedPoint> points_;
+    std::vector<std::uint8_t> drawn_;
     std::vector<RowRange> rows_;
     // Neighbours in a mesh mostly have indices close to each other: whole blocks of them lie beside a band.
     static constexpr int block_triangles = 32;

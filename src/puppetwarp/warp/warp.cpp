@@ -2,6 +2,7 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/threads.h>
+#include <puppetwarp/warp/light.h>
 #include <puppetwarp/warp/paint.h>
 #include <puppetwarp/warp/warp_input.h>
 
@@ -10,14 +11,18 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace puppetwarp {
 
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Interpolation>, 3> interpolations{
-    {{"nearest", Interpolation::nearest}, {"bilinear", Interpolation::bilinear}, {"bicubic", Interpolation::bicubic}}};
+constexpr std::array<std::pair<std::string_view, Interpolation>, 4> interpolations{
+    {{"nearest", Interpolation::nearest},
+     {"bilinear", Interpolation::bilinear},
+     {"bicubic", Interpolation::bicubic},
+     {"lanczos3", Interpolation::lanczos3}}};
 
 constexpr int band_rows = 64;  // higher bands set triangles up less often, lower ones share out better among threads
 constexpr int pixels_between_reports = 1 << 21;
@@ -71,10 +76,19 @@ Image detail::warp_with(Simd simd, const Image& image, const TriangleMesh& rest,
 
     const SnappedMesh spans(input.rest, input.moved, chosen.canvas);
     PixelFormat format{image.pixels.depth(), image.pixels.channels(), false};
-    format.adds_alpha = !image.has_alpha() && !spans.covers_canvas();
+    const std::vector<BorderEdge> edges = border_edges(input.rest.F, spans);
+    const bool smooth = options.interpolation != Interpolation::nearest;
+    const BorderPixels border = smooth ? BorderPixels(input.rest.F, spans, edges, options.frame) : BorderPixels();
+    // How many triangles hold a pixel changes at borders only.
+    const int layers = edges.empty() ? spans.layers_on_first_pixel() : -1;
+    const bool covered = edges.empty() ? layers > 0 : border.empty() && spans.covers_canvas();
+    format.adds_alpha = !image.has_alpha() && !covered;
 
     Image result{allocate_canvas(chosen.canvas, CV_MAKETYPE(format.depth, format.out_channels())), image.metadata};
-    const Painter painter(image.pixels, format, input.rest, input.moved, spans, chosen, simd, result.pixels);
+    const bool decodes = options.linear && format.depth != CV_32F;
+    const std::optional<LightTables> light = decodes ? std::optional<LightTables>(image) : std::nullopt;
+    const Painter painter({image.pixels, format, light ? &*light : nullptr}, input.rest, input.moved,
+                          {spans, border, layers == 1}, chosen, simd, result.pixels);
     paint_all(painter, chosen.canvas, progress);
     return result;
 }
@@ -107,6 +121,11 @@ Canvas grown_canvas(int width, int height, const Eigen::MatrixX2d& moved) {
     detail::require_possible(static_cast<std::int64_t>(size.x()), static_cast<std::int64_t>(size.y()));
     return {static_cast<int>(low.x()), static_cast<int>(low.y()), static_cast<int>(size.x()),
             static_cast<int>(size.y())};
+}
+
+Eigen::AlignedBox2d scaled_frame(const Canvas& canvas, double scale) {
+    const Eigen::Vector2d corner(canvas.x, canvas.y);
+    return {corner * scale, (corner + Eigen::Vector2d(canvas.width, canvas.height)) * scale};
 }
 
 Canvas scaled_canvas(const Canvas& canvas, double x_scale, double y_scale) {

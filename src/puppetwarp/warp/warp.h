@@ -4,13 +4,15 @@
 #include <puppetwarp/base/progress.h>
 #include <puppetwarp/mesh/triangle_mesh.h>
 
+#include <Eigen/Geometry>
+
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace puppetwarp {
 
-enum class Interpolation { nearest, bilinear, bicubic };
+enum class Interpolation { nearest, bilinear, bicubic, lanczos3 };
 
 std::vector<std::string> interpolation_names();
 //! \throw InvalidInput  unknown name (lists the known ones).
@@ -26,7 +28,11 @@ struct Canvas {
 
 struct WarpOptions {
     Interpolation interpolation = Interpolation::bicubic;
-    Canvas canvas;  //!< of no size: the source's own
+    Canvas canvas;        //!< of no size: the source's own
+    bool linear = false;  //!< in linear light, by the tone curves of the picture's profile or sRGB's; floats are linear
+    //! What the canvas stands for, when that ends between pixels (`scaled_canvas`): a pixel that it ends in counts as
+    //! covered when its part inside is. Empty: the canvas itself.
+    Eigen::AlignedBox2d frame = {};
 };
 
 //! Draws a picture through moved triangles.
@@ -36,7 +42,9 @@ struct WarpOptions {
 //! premultiplied; where a triangle moves by whole pixels its pixels are copied. Pixels that no triangle covers are
 //! transparent: the output has alpha when the input has, or when some output pixel is uncovered.
 //! Beyond its border a picture without alpha repeats its outermost pixels; one with alpha fades out over half a pixel.
-//! Where a triangle shrinks by more than 1.5, a pixel is the mean of up to 4 x 4 samples (not for `nearest`).
+//! Where a triangle shrinks by more than 1.5, a pixel is the mean of up to 16 samples, above a factor of about 4 of
+//! samples of a pyramid. Pixels that the border of the mesh crosses are as opaque as it covers them, but for triangles
+//! that move by whole pixels. (Neither for `nearest`.)
 //! The same bytes for any number of threads.
 //! \param moved  #V x 2 positions of the vertices of `rest`.
 //! \throw InvalidInput  positions that are not finite or not one for each vertex; a triangle that names a missing
@@ -56,5 +64,8 @@ Canvas grown_canvas(int width, int height, const Eigen::MatrixX2d& moved);
 //! canvas has at that scale. At scale 1 the canvas itself.
 //! \throw InvalidInput  there are none, or more than `warp` can do.
 Canvas scaled_canvas(const Canvas& canvas, double x_scale, double y_scale);
+
+//! Where a canvas lies on a plane magnified by `scale`, exactly: for `WarpOptions::frame`.
+Eigen::AlignedBox2d scaled_frame(const Canvas& canvas, double scale);
 
 }  // namespace puppetwarp

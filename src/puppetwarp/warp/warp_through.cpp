@@ -112,7 +112,8 @@ Image warp_through(const Image& image, const DisplacementMap& map, const Through
     const Canvas canvas = chosen_canvas(map, options);
     progress.step("warp", 0);
     const MapPlaces places(map, canvas, {options.x_magnification, options.y_magnification}, image);
-    const detail::PointSampler sampler(image, !image.has_alpha() && !covers(places, canvas), options.interpolation);
+    const detail::PointSampler sampler(image, !image.has_alpha() && !covers(places, canvas), options.interpolation,
+                                       options.linear);
     const detail::PixelFormat& format = sampler.format();
     Image result{detail::allocate_canvas(canvas, CV_MAKETYPE(format.depth, format.out_channels())), image.metadata};
     const MapPainter painter(places, sampler, map.rounding_px, result.pixels);

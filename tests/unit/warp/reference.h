@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <utility>
 #include <vector>
 
 // A second warp, slow and obvious: every pixel centre is tried against every triangle, everything is double and
@@ -20,13 +22,15 @@ public:
     Reference(const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const WarpOptions& options)
         : image_(image), rest_(rest), moved_(moved), options_(options) {
         if (options_.canvas.width == 0) options_.canvas = {0, 0, image.width(), image.height()};
+        find_border();
     }
 
     //! Premultiplied, alpha in [0, 1], colour in the picture's numbers. [4] is set where an edge passes too near for
-    //! floating point to decide.
+    //! floating point to decide, and in pixels that the mesh may cover in part.
     Premultiplied at(int column, int row) const {
         const double x = options_.canvas.x + column + 0.5, y = options_.canvas.y + row + 0.5;
         Premultiplied below{};
+        if (near_border({x, y})) below[4] = 1;
         for (Eigen::Index f = 0; f < rest_.F.rows(); ++f) {
             const Corners to = corners(moved_, f), from = corners(rest_, f);
             const double area = cross(to, 0, 1, to[2]), rest_area = cross(from, 0, 1, from[2]);
@@ -38,14 +42,42 @@ public:
             if (std::abs(distance) < 1e-4) below[4] = 1;
             if (least < 0) continue;
             const double ambiguous = below[4];
-            below = over(sample_triangle(to, from, p), below);
-            below[4] = std::max(below[4], ambiguous);
+            const Premultiplied front = sample_triangle(to, from, p);
+            below = over(front, below);
+            below[4] = std::max(front[4], ambiguous);
         }
         return below;
     }
 
 private:
     using Corners = std::array<Eigen::Vector2d, 3>;
+
+    bool drawn(Eigen::Index f) const {
+        const Corners to = corners(moved_, f), from = corners(rest_, f);
+        return cross(to, 0, 1, to[2]) * cross(from, 0, 1, from[2]) > 0;
+    }
+
+    // Edges with one drawn triangle.
+    void find_border() {
+        std::map<std::pair<int, int>, int> triangles;
+        for (Eigen::Index f = 0; f < rest_.F.rows(); ++f) {
+            for (int k = 0; k < 3 && drawn(f); ++k) {
+                ++triangles[std::minmax({rest_.F(f, k), rest_.F(f, (k + 1) % 3)})];
+            }
+        }
+        for (const auto& [edge, count] : triangles) {
+            if (count == 1) border_.push_back(edge);
+        }
+    }
+
+    bool near_border(const Eigen::Vector2d& p) const {
+        if (options_.interpolation == Interpolation::nearest) return false;
+        return std::any_of(border_.begin(), border_.end(), [&](const std::pair<int, int>& edge) {
+            const Eigen::Vector2d a = moved_.row(edge.first), ab = moved_.row(edge.second).transpose() - a;
+            const double t = std::clamp((p - a).dot(ab) / std::max(ab.squaredNorm(), 1e-300), 0.0, 1.0);
+            return (a + t * ab - p).norm() < 0.75;
+        });
+    }
 
     Corners corners(const TriangleMesh& mesh, Eigen::Index f) const { return corners(mesh.V, f); }
     Corners corners(const Eigen::MatrixX2d& V, Eigen::Index f) const {
@@ -70,18 +102,31 @@ private:
         A << to[1] - to[0], to[2] - to[0];
         B << from[1] - from[0], from[2] - from[0];
         const Eigen::Matrix2d J = B * A.inverse();
-        const double sigma = J.jacobiSvd().singularValues()[0];
-        const bool many = options_.interpolation != Interpolation::nearest && sigma > 1.5;
-        const int n = many ? static_cast<int>(std::ceil(std::min(sigma, 4.0))) : 1;
+        const Comb x = comb(J.col(0).norm()), y = comb(J.col(1).norm());
         Premultiplied mean{};
-        for (int i = 0; i < n; ++i) {
-            for (int j = 0; j < n; ++j) {
-                const Eigen::Vector2d q = p + Eigen::Vector2d((i + 0.5) / n - 0.5, (j + 0.5) / n - 0.5);
+        if (x.samples * y.samples > 16) return {0, 0, 0, 0, 1};  // the pyramid's: tested against averages
+        for (int j = 0; j < y.samples; ++j) {
+            for (int i = 0; i < x.samples; ++i) {
+                const Eigen::Vector2d q = p + Eigen::Vector2d((i - (x.samples - 1) / 2.0) * x.distance,
+                                                              (j - (y.samples - 1) / 2.0) * y.distance);
                 const Premultiplied one = sample(from[0] + J * (q - to[0]));
-                for (std::size_t c = 0; c < 4; ++c) mean[c] += one[c] / (n * n);
+                for (std::size_t c = 0; c < 5; ++c) mean[c] += one[c] / (x.samples * y.samples);
             }
         }
-        return mean;
+        return within_range(mean, mean[4]);
+    }
+
+    // Samples along one axis, for a step of `a` source pixels: as footprint.h has it, up to 4.
+    struct Comb {
+        int samples;
+        double distance;
+    };
+    Comb comb(double a) const {
+        if (a <= 1.5 || options_.interpolation == Interpolation::nearest) return {1, 0};
+        const int n = static_cast<int>(std::ceil(a - 1e-9));
+        const double less = options_.interpolation == Interpolation::bilinear ? 1 : 0;
+        const double variance = a >= 2 ? a * a - less : (a * a - 2.25) / 1.75 * (4 - less);
+        return {n, std::sqrt(variance / (n * n - 1)) / a};
     }
 
     Premultiplied pixel(int x, int y) const {
@@ -94,9 +139,28 @@ private:
         return result;
     }
 
+    // Weights of the six pixels from x - 2 on, for a position `f` right of pixel x.
+    using Weights = std::array<double, 6>;
+    static Weights weights(Interpolation interpolation, double f) {
+        Weights w{};
+        for (std::size_t k = 0; k < 6; ++k) w[k] = kernel(interpolation, f + 2 - static_cast<double>(k));
+        if (interpolation != Interpolation::lanczos3) return w;
+        double sum = 0, mean = 0;
+        for (const double weight : w) sum += weight;
+        for (std::size_t k = 0; k < 6; ++k) mean += w[k] / sum * static_cast<double>(k);
+        for (double& weight : w) weight /= sum;
+        w[2] += mean - (2 + f);
+        w[3] -= mean - (2 + f);
+        return w;
+    }
+
     static double kernel(Interpolation interpolation, double t) {
         t = std::abs(t);
         if (interpolation == Interpolation::bilinear) return std::max(0.0, 1 - t);
+        if (interpolation == Interpolation::lanczos3) {
+            if (t == 0 || t >= 3) return t == 0 ? 1 : 0;
+            return 3 * std::sin(M_PI * t) * std::sin(M_PI * t / 3) / (M_PI * M_PI * t * t);
+        }
         if (t < 1) return 1.5 * t * t * t - 2.5 * t * t + 1;
         return t < 2 ? -0.5 * t * t * t + 2.5 * t * t - 4 * t + 2 : 0;
     }
@@ -108,25 +172,29 @@ private:
                                                                 : std::clamp(1 - 2 * outside, 0.0, 1.0);
     }
 
+    // Before anything is clamped; [4] says how much of it is inside the picture.
     Premultiplied sample(const Eigen::Vector2d& p) const {
         Premultiplied sum{};
         if (options_.interpolation == Interpolation::nearest) {
             sum = pixel(static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())));
         } else {
             const int x = static_cast<int>(std::floor(p.x() - 0.5)), y = static_cast<int>(std::floor(p.y() - 0.5));
-            for (int j = y - 1; j <= y + 2; ++j) {
-                for (int i = x - 1; i <= x + 2; ++i) {
-                    const double weight = kernel(options_.interpolation, p.x() - 0.5 - i) *
-                                          kernel(options_.interpolation, p.y() - 0.5 - j);
-                    for (std::size_t c = 0; c < 4; ++c) sum[c] += weight * pixel(i, j)[c];
+            const Weights wx = weights(options_.interpolation, p.x() - 0.5 - x);
+            const Weights wy = weights(options_.interpolation, p.y() - 0.5 - y);
+            for (std::size_t j = 0; j < 6; ++j) {
+                for (std::size_t i = 0; i < 6; ++i) {
+                    const Premultiplied tap = pixel(x - 2 + static_cast<int>(i), y - 2 + static_cast<int>(j));
+                    for (std::size_t c = 0; c < 4; ++c) sum[c] += wx[i] * wy[j] * tap[c];
                 }
             }
         }
-        return within_range(sum, fade(p.x(), image_.width()) * fade(p.y(), image_.height()));
+        sum[4] = fade(p.x(), image_.width()) * fade(p.y(), image_.height());
+        return sum;
     }
 
     // A filter that overshoots must not leave the range of the picture: whole numbers cannot, and alpha must not.
     Premultiplied within_range(Premultiplied sum, double faded) const {
+        sum[4] = 0;
         if (sum[3] <= 0) return {};
         const double alpha = std::min(sum[3], 1.0);
         for (std::size_t c = 0; c < 3; ++c) {
@@ -142,6 +210,7 @@ private:
     const TriangleMesh& rest_;
     const Eigen::MatrixX2d& moved_;
     WarpOptions options_;
+    std::vector<std::pair<int, int>> border_;
 };
 
 }  // namespace puppetwarp::testing

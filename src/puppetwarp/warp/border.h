@@ -1,0 +1,49 @@
+#pragma once
+
+#include <puppetwarp/warp/spans.h>
+
+#include <span>
+#include <vector>
+
+namespace puppetwarp::detail {
+
+//! An edge with a drawn triangle on one side only.
+struct BorderEdge {
+    int triangle;
+    SnappedPoint a, b;
+};
+
+//! Edges of a moved mesh that pass through the canvas and have one drawn triangle: its border, and folds. Edges whose
+//! ends lie in the same places as those of another one (a mesh that was cut apart) are none.
+std::vector<BorderEdge> border_edges(const Eigen::MatrixX3i& faces, const SnappedMesh& mesh);
+
+//! A pixel of which a mesh covers a part.
+struct BorderPixel {
+    int triangle;  //!< that it is painted with: the one that holds its centre, else the one that covers most of it
+    int row, x;
+    float coverage;  //!< in (0, 1)
+    bool holds_centre;
+};
+
+//! Pixels that the border of a mesh crosses, in the order of triangles, rows and columns.
+//!
+//! Coverage is the area of the pixel within the triangles around its border edges: those that share a corner with such
+//! an edge's triangle. So edges that two triangles share do not count, and what lies over or under that part of the
+//! mesh does not either. A pixel has an entry for each such part.
+class BorderPixels {
+public:
+    BorderPixels() = default;
+    //! \param frame  see `WarpOptions`.
+    BorderPixels(const Eigen::MatrixX3i& faces, const SnappedMesh& mesh, const std::vector<BorderEdge>& edges,
+                 const Eigen::AlignedBox2d& frame = {});
+
+    bool empty() const { return pixels_.empty(); }
+    //! Those of one triangle.
+    std::span<const BorderPixel> of(int triangle) const;
+
+private:
+    std::vector<BorderPixel> pixels_;
+    std::vector<std::size_t> starts_;  // of each triangle, and the end
+};
+
+}  // namespace puppetwarp::detail

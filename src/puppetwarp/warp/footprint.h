@@ -1,0 +1,41 @@
+#pragma once
+
+#include <puppetwarp/warp/warp.h>
+
+#include <Eigen/Core>
+
+namespace puppetwarp::detail {
+
+// How a pixel is made where the picture shrinks, so that nothing aliases.
+//
+// A step of one pixel to the right is `a` source pixels long (the length of the map's column), and down likewise; each
+// axis is looked at on its own. Up to a = 1.5 there is one sample. From there on there are ceil(a) samples side by
+// side, whose distances make their variance that of the average over the pixel, less what the filter itself spreads:
+//   bilinear          V(a) = (a^2 - 1) / 12     (in squared source pixels)
+//   bicubic, lanczos3 V(a) = a^2 / 12
+// Between 1.5 and 2 it rises from 0 to V(2): the blur changes without a step wherever the number of samples does.
+// A pixel takes at most 16 samples (4 x 4, or 16 in a row). Where that is not enough they are taken from a level of the
+// pyramid, whose pixels are means of 2 x 2, 4 x 4, ... source pixels, less the variance of these and of a filter that
+// is so much wider: the lowest level on which 16 will do.
+struct Footprint {
+    int level = 0;     //!< 0: the picture itself
+    int nx = 1;        //!< samples side by side
+    int ny = 1;        //!< and one below the other
+    double dx_px = 0;  //!< from one to the next, in pixels of the output
+    double dy_px = 0;
+
+    int samples() const { return nx * ny; }
+    //! Where sample k lies, from the pixel's centre.
+    Eigen::Vector2d offset_px(int k) const {
+        return {(k % nx - 0.5 * (nx - 1)) * dx_px, (k / nx - 0.5 * (ny - 1)) * dy_px};
+    }
+};
+
+inline constexpr int most_samples = 16;
+inline constexpr double single_sample_limit = 1.5;
+
+//! \param jacobian   of the map from the output to the source. Beyond 2^14 it says nothing: one sample.
+//! \param top_level  the highest there is.
+Footprint footprint(const Eigen::Matrix2d& jacobian, Interpolation interpolation, int top_level);
+
+}  // namespace puppetwarp::detail

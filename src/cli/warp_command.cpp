@@ -38,6 +38,7 @@ struct WarpRequest {
     std::string interpolation = "bicubic";
     bool linear = false;
     std::optional<std::string> background;
+    std::optional<std::string> back_faces;
     std::vector<std::string> overlay;
     std::int64_t max_pixels = ReadOptions().max_pixels;
     double pin_snap_px = 0;
@@ -60,6 +61,7 @@ void apply(const WarpRequest& request, Puppet& puppet, Pose& pose) {
         background_from_name(*request.background);  // complains before any work
         puppet.background = request.background;
     }
+    if (request.back_faces) puppet.back_faces = back_faces_from_name(*request.back_faces);
     add_pins(puppet, pose, request.pins);
     require_sound(puppet.rig);
 }
@@ -91,12 +93,12 @@ void tell_what_is_lost(const WarpRequest& request, const RenderReport& report, b
     if (!quiet) print_warning(request.output + ": " + message);
 }
 
-void warn_about_result(const RenderReport& report, bool quiet) {
+void warn_about_result(const RenderReport& report, BackFaces back_faces, bool quiet) {
     if (quiet) return;
     print_warnings(report);
     if (report.distortion.flipped_triangles > 0) {
-        print_warning(std::to_string(report.distortion.flipped_triangles) +
-                      " triangles are folded over and not drawn (pull less, or add a pin)");
+        print_warning(std::to_string(report.distortion.flipped_triangles) + " triangles are folded over and " +
+                      (back_faces == BackFaces::hide ? "not drawn" : "drawn mirrored") + " (pull less, or add a pin)");
     }
 }
 
@@ -159,7 +161,7 @@ int warp_picture(const WarpRequest& request, const GlobalOptions& global) {
     ProgressBar progress(global.quiet);
     Rendered rendered = render(puppet, pose, options, progress);
     tell_what_is_lost(request, rendered.report, global.quiet);
-    warn_about_result(rendered.report, global.quiet);
+    warn_about_result(rendered.report, puppet.back_faces, global.quiet);
     if (request.wants_overlay("mesh")) draw_mesh(rendered);
     if (request.wants_overlay("handles")) draw_handles(rendered, pose);
     write_files(request, options, rendered, progress);
@@ -230,6 +232,10 @@ void add_picture_options(CLI::App& warp, WarpRequest& request) {
     warp.add_option("--background", request.background, "transparent (default), keep, #rrggbb or #rrggbbaa")
         ->type_name("B")
         ->check(completed_by({"transparent", "keep"}));
+    warp.add_option("--back-faces", request.back_faces,
+                    "Triangles that are folded over: hide (default) or show, mirrored")
+        ->type_name("F")
+        ->check(completed_by({"hide", "show"}));
     warp.add_option("--overlay", request.overlay, "Draw over the result: mesh, handles or both")
         ->type_name("mesh,handles")
         ->delimiter(',')
@@ -270,7 +276,7 @@ void add_data_options(CLI::App& warp, WarpRequest& request) {
 void require_map_alone(const CLI::App& warp) {
     for (const char* other : {"--pin", "--pose", "--method", "--arap-energy", "--weights", "--partition", "--l1-budget",
                               "--no-cache", "--auto-cage", "--save-puppet", "--pin-snap", "--overlay", "--image",
-                              "--displacement", "--mesh-out", "--fail-on-fold", "--fail-on-stretch"}) {
+                              "--back-faces", "--displacement", "--mesh-out", "--fail-on-fold", "--fail-on-stretch"}) {
         if (warp.count(other) == 0) continue;
         throw InvalidInput("usage", std::string("--displacement-in leaves nothing to do for ") + other,
                            "leave one of them away");

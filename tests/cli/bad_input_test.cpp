@@ -149,6 +149,7 @@ TEST_F(BadInput, UnknownNames) {
     expect_refused(warp(good, {"--pin", "60,50", "--arap-energy", "magic"}), "magic");
     expect_refused(warp(good, {"--pin", "60,50", "--interpolation", "magic"}), "magic");
     expect_refused(warp(good, {"--pin", "60,50", "--background", "magic"}), "magic");
+    expect_refused(warp(good, {"--pin", "60,50", "--back-faces", "magic"}), "magic");
     expect_refused(warp(good, {"--pin", "60,50", "--canvas", "magic"}), "magic");
     expect_refused(warp(good, {"--pin", "60,50", "--pose", "magic"}), "magic");
 }
@@ -238,7 +239,7 @@ TEST_F(BadInput, OutputsThatWouldDestroyInputsOrEachOther) {
 }
 
 TEST_F(BadInput, EmptyWordsAreNotDefaults) {
-    for (const char* option : {"--method", "--arap-energy", "--background", "--pose", "--canvas", "--interpolation",
+    for (const char* option : {"--method", "--arap-energy", "--background", "--back-faces", "--pose", "--canvas", "--interpolation",
                                "--image", "--displacement", "--displacement-in", "--mesh-out", "--scale"}) {
         const CommandResult result = warp(good, {"--pin", "60,50", option, ""});
         EXPECT_EQ(result.exit_code, 2) << option;

@@ -186,6 +186,7 @@ Json json_from_puppet(const Puppet& puppet) {
     if (!puppet.image.empty()) json["image"] = puppet.image;
     json["cutout"] = cutout_json(puppet.cutout, member(&source, "cutout"));
     if (puppet.background) json["background"] = *puppet.background;
+    if (puppet.back_faces != BackFaces::hide) json["back_faces"] = back_faces_name(puppet.back_faces);
     Json mesh = mesh_json(puppet.mesh, member(&source, "mesh"));
     if (!mesh.empty()) json["mesh"] = std::move(mesh);
     json["handles"] = Json::array();
@@ -203,9 +204,9 @@ Json json_from_puppet(const Puppet& puppet) {
     for (const Pose& pose : puppet.poses) {
         json["poses"].push_back(pose_json(pose, puppet.rig, element(member(&source, "poses"), "name", pose.name)));
     }
-    keep_unknown(
-        json, &source,
-        {"format", "version", "image", "cutout", "background", "mesh", "handles", "stiffness", "method", "poses"});
+    keep_unknown(json, &source,
+                 {"format", "version", "image", "cutout", "background", "back_faces", "mesh", "handles", "stiffness",
+                  "method", "poses"});
     return json;
 }
 

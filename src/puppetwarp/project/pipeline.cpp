@@ -8,6 +8,7 @@
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/project/weights_cache.h>
 #include <puppetwarp/rig/add_cage.h>
+#include <puppetwarp/rig/depth.h>
 #include <puppetwarp/rig/inverse_kinematics.h>
 #include <puppetwarp/rig/snap.h>
 #include <puppetwarp/warp/background.h>
@@ -103,6 +104,7 @@ Eigen::MatrixX2d at(const Eigen::RowVector2d& resolution, const Eigen::MatrixX2d
 struct Solved {
     TriangleMesh mesh;
     Eigen::MatrixX2d moved;
+    Eigen::VectorXd depth;
     Rig rig;
 };
 
@@ -120,6 +122,7 @@ Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, cons
         bound_deformer(puppet.method, solved.mesh, solved.rig, options.weights_cache, progress);
     timer.end("bind");
     Deformation deformation = deformer->deform(pose, nullptr, progress);
+    solved.depth = vertex_depths(solved.mesh, solved.rig, pose);
     timer.end("deform");
 
     describe(puppet.method, solved.mesh, solved.rig, pose, deformation, report);
@@ -194,15 +197,15 @@ TriangleMesh mesh_for_weights(const Puppet& puppet, const Outline& outline) {
 }
 
 Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
-                   const Eigen::MatrixX2d& moved, const RenderOptions& options, RenderReport& report,
-                   Progress& progress) {
+                   const Eigen::MatrixX2d& moved, const Eigen::VectorXd& depth, const RenderOptions& options,
+                   RenderReport& report, Progress& progress) {
     const Eigen::MatrixX2d shown = moved * options.scale;
     report.scale = options.scale;
     report.canvas = choose_canvas(options.canvas, image.width(), image.height(), shown, options.scale);
     require_result_size(report.canvas, options.read.max_pixels);
-    const Image warped =
-        warp(apply_cutout(image, cutout), mesh, shown,
-             {options.interpolation, report.canvas, options.linear, choose_frame(options, image, shown)}, progress);
+    const WarpOptions how{options.interpolation, report.canvas, options.linear, choose_frame(options, image, shown),
+                          puppet.back_faces,     depth};
+    const Image warped = warp(apply_cutout(image, cutout), mesh, shown, how, progress);
     const Background background = background_from_name(puppet.background.value_or("transparent"));
     return finished_picture(warped, image, cutout.whole, background, options, report, progress);
 }
@@ -228,7 +231,7 @@ Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& opt
     RenderOptions drawing = options;
     drawing.canvas = at_resolution(options.canvas, resolution);
     rendered.image = draw_subject(puppet, image, cutout, {at(resolution, solved.mesh.V), solved.mesh.F},
-                                  at(resolution, solved.moved), drawing, report, progress);
+                                  at(resolution, solved.moved), solved.depth, drawing, report, progress);
     report.scale *= resolution.x();
     if (options.keep_source) {
         rendered.source = apply_cutout(image, cutout);
@@ -237,6 +240,8 @@ Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& opt
     warp_timer.end("warp");
     rendered.mesh = std::move(solved.mesh);
     rendered.moved = std::move(solved.moved);
+    rendered.depth = std::move(solved.depth);
+    rendered.back_faces = puppet.back_faces;
     rendered.rig = std::move(solved.rig);
     rendered.resolution = resolution;
     rendered.scale = options.scale;

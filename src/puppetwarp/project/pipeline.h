@@ -103,6 +103,8 @@ struct Rendered {
     cv::Mat matte;                        //!< of a cutout that is not the picture's own alpha, with `keep_source`
     TriangleMesh mesh;                    //!< in image space
     Eigen::MatrixX2d moved;               //!< #V x 2, in image space
+    Eigen::VectorXd depth;                //!< `vertex_depths` of the pose
+    BackFaces back_faces = BackFaces::hide;
     Eigen::RowVector2d resolution{1, 1};  //!< pixels of `source` for one of image space, along x and y
     double scale = 1;                     //!< pixels of `image` for one of `source`
     //! As it took hold: points that were snapped onto the subject lie there, and an automatic cage comes last.
@@ -125,8 +127,9 @@ Rendered render_through(const std::filesystem::path& picture, const std::filesys
 
 //! The last arrows alone, for positions that are known already: warp, then background, then what `options.format` asks
 //! for. Fills `canvas`, `scale` and `lost` of the report. Mesh, positions and a given canvas are in pixels of `image`.
+//! \param depth  `vertex_depths` of the pose.
 Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
-                   const Eigen::MatrixX2d& moved, const RenderOptions& options, RenderReport& report,
-                   Progress& progress);
+                   const Eigen::MatrixX2d& moved, const Eigen::VectorXd& depth, const RenderOptions& options,
+                   RenderReport& report, Progress& progress);
 
 }  // namespace puppetwarp

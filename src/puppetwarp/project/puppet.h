@@ -3,6 +3,7 @@
 #include <puppetwarp/base/point.h>
 #include <puppetwarp/deform/deformer.h>
 #include <puppetwarp/rig/rig.h>
+#include <puppetwarp/warp/warp.h>
 
 #include <filesystem>
 #include <optional>
@@ -34,6 +35,7 @@ struct Puppet {
     std::string image;             //!< path of the picture; empty: none
     CutoutSettings cutout;
     std::optional<std::string> background;  //!< `transparent`, `keep`, `#rrggbb[aa]`; none: transparent
+    BackFaces back_faces = BackFaces::hide;
     MeshSettings mesh;
     Rig rig;
     MethodOptions method;

@@ -195,6 +195,7 @@ Puppet puppet_from_json(const JsonReader& document) {
             background->fail(error.reason(), error.advice());
         }
     }
+    if (const auto faces = document.find("back_faces")) puppet.back_faces = named(*faces, back_faces_from_name);
     if (const auto mesh = document.find("mesh")) puppet.mesh = read_mesh_settings(*mesh);
     if (const auto handles = document.find("handles")) {
         for (const JsonReader& handle : handles->elements()) puppet.rig.handles.push_back(read_handle(handle));

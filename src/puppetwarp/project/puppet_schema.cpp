@@ -29,6 +29,11 @@ constexpr const char* schema_text = R"schema({
       ],
       "default": "transparent"
     },
+    "back_faces": {
+      "description": "Triangles that are folded over are not drawn, or drawn mirrored.",
+      "enum": ["hide", "show"],
+      "default": "hide"
+    },
     "mesh": { "$ref": "#/$defs/mesh" },
     "handles": {
       "description": "What takes hold of the subject, at rest. Ids are unique.",
@@ -359,6 +364,8 @@ constexpr const char* schema_text = R"schema({
         "depth": {
           "description": "Which part is drawn over which: larger is nearer to the viewer.",
           "type": "number",
+          "minimum": -1000000,
+          "maximum": 1000000,
           "default": 0
         },
         "affine": {

@@ -28,7 +28,7 @@ DisplacementRows displacement_of(const Rendered& rendered, const RenderOptions& 
             rendered.matte,
             {at(rendered.mesh.V, 1), rendered.mesh.F},
             at(rendered.moved, rendered.scale),
-            {options.interpolation, rendered.report.canvas},
+            {options.interpolation, rendered.report.canvas, false, {}, rendered.back_faces, rendered.depth},
             rendered.scale};
 }
 

@@ -3,6 +3,7 @@
 #include <puppetwarp/image/convert.h>
 #include <puppetwarp/project/distortion_colours.h>
 #include <puppetwarp/project/overlay.h>
+#include <puppetwarp/rig/depth.h>
 #include <puppetwarp/warp/warp.h>
 
 #include <opencv2/imgproc.hpp>
@@ -102,7 +103,9 @@ cv::Mat CellPainter::warped(const Eigen::MatrixX2d& moved, const Pose& pose, Pro
     const Eigen::RowVector2d origin(canvas_.x, canvas_.y);
     const Eigen::MatrixX2d placed = (moved.rowwise() - origin) * scale_;
     const Canvas large{0, 0, oversampling * width_, oversampling * height_};
-    const Image picture = warp(subject_, mesh_, placed, {Interpolation::bicubic, large}, progress);
+    WarpOptions how{Interpolation::bicubic, large};
+    how.depth = vertex_depths(mesh_, rig_, pose);
+    const Image picture = warp(subject_, mesh_, placed, how, progress);
     Image drawn;
     drawn.pixels = ground();
     lay_over_ground(to_depth(picture.pixels, CV_8U), drawn.pixels);

@@ -158,6 +158,7 @@ void require_fields(const std::string& subject, const AllowedFields& allowed, co
 constexpr double most_turn_rad = 2000 * std::numbers::pi * (1 + 1e-12);  // 360,000 degrees, however rounded
 // Beyond, numbers lose what the mesh is made of.
 constexpr double most_scale = 1e6;
+constexpr double most_depth = 1e6;
 
 void require_angle(const std::string& subject, const std::string& field, double angle_rad) {
     require_finite(subject, field, angle_rad);
@@ -177,6 +178,7 @@ void require_values(const std::string& subject, const HandlePose& pose) {
     if (pose.scale) require_positive(subject, "scale", *pose.scale);
     if (pose.scale && *pose.scale > most_scale) throw InvalidInput(subject, "scale is above a million");
     if (pose.depth) require_finite(subject, "depth", *pose.depth);
+    if (pose.depth && std::abs(*pose.depth) > most_depth) throw InvalidInput(subject, "depth is beyond a million");
     if (pose.affine) {
         for (const double entry : *pose.affine) require_finite(subject, "affine", entry);
         for (std::size_t i = 0; i < 4; ++i) {

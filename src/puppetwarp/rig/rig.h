@@ -95,15 +95,15 @@ struct Rig {
 
 //! Where one handle goes. What is not set stays as it rests.
 struct HandlePose {
-    std::optional<Point> to;                      //!< of a point or vertex, a bone's end, a region's centroid
-    std::optional<Point> from;                    //!< target of a bone's start
-    std::optional<Polyline> points;               //!< targets of a cage's corners
-    std::optional<double> rotate_rad;             //!< clockwise on screen; a point without it has a free angle
-    std::optional<double> turn_rad;               //!< how far a free angle turned on its way here, whole turns counted
-    std::optional<double> scale;                  //!< above 0, at most a million
-    std::optional<double> depth;                  //!< larger is nearer to the viewer
-    std::optional<Point> reach;                   //!< of a bone's end, to which it and its parents bend: `reach`
-    std::optional<int> chain;                     //!< how many bones bend to reach, at least 1; none: two
+    std::optional<Point> to;           //!< of a point or vertex, a bone's end, a region's centroid
+    std::optional<Point> from;         //!< target of a bone's start
+    std::optional<Polyline> points;    //!< targets of a cage's corners
+    std::optional<double> rotate_rad;  //!< clockwise on screen; a point without it has a free angle
+    std::optional<double> turn_rad;    //!< how far a free angle turned on its way here, whole turns counted
+    std::optional<double> scale;       //!< above 0, at most a million
+    std::optional<double> depth;       //!< larger is nearer to the viewer, at most a million: `vertex_depths`
+    std::optional<Point> reach;        //!< of a bone's end, to which it and its parents bend: `reach`
+    std::optional<int> chain;          //!< how many bones bend to reach, at least 1; none: two
     std::optional<std::array<double, 6>> affine;  //!< x' = a x + c y + e, y' = b x + d y + f
 };
 

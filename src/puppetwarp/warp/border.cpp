@@ -67,20 +67,19 @@ auto key(SnappedPoint p) {
     return std::tuple(p.x, p.y);
 }
 
-// From lower to higher end: the same for both edges of a cut.
-auto key(const BorderEdge& edge) {
-    const auto a = key(edge.a), b = key(edge.b);
-    return a < b ? std::pair(a, b) : std::pair(b, a);
-}
-
-// Two edges in one place have no border between them.
-void drop_cuts(std::vector<BorderEdge>& edges) {
-    std::sort(edges.begin(), edges.end(), [](const BorderEdge& one, const BorderEdge& other) {
-        return std::pair(key(one), one.triangle) < std::pair(key(other), other.triangle);
+// Two edges in one place have no border between them, but for the two of a fold.
+void drop_cuts(const SnappedMesh& mesh, std::vector<BorderEdge>& edges) {
+    // From lower to higher end: the same for both edges of a cut.
+    const auto place = [&](const BorderEdge& edge) {
+        const auto a = key(edge.a), b = key(edge.b);
+        return std::tuple(mesh.flipped(edge.triangle), std::min(a, b), std::max(a, b));
+    };
+    std::sort(edges.begin(), edges.end(), [&](const BorderEdge& one, const BorderEdge& other) {
+        return std::pair(place(one), one.triangle) < std::pair(place(other), other.triangle);
     });
     std::vector<BorderEdge> kept;
     for (std::size_t i = 0; i < edges.size(); ++i) {
-        const bool cut = i + 1 < edges.size() && key(edges[i]) == key(edges[i + 1]);
+        const bool cut = i + 1 < edges.size() && place(edges[i]) == place(edges[i + 1]);
         if (cut) {
             ++i;
         } else {
@@ -197,7 +196,9 @@ private:
         }
     }
 
+    // Whether two triangles are of one part of the mesh: they share a corner, and no fold is between them.
     bool touch(int one, int other) const {
+        if (mesh_.flipped(one) != mesh_.flipped(other)) return false;
         for (int i = 0; i < 3; ++i) {
             for (int j = 0; j < 3; ++j) {
                 if (faces_(one, i) == faces_(other, j)) return true;
@@ -238,6 +239,7 @@ private:
         double covered = 0, most = 0;
         int largest = -1;
         for (const int triangle : around) {
+            if (mesh_.flipped(triangle) != mesh_.flipped(part.front())) continue;
             const double area = covered_area(triangle, shown) / shown.area();
             covered += area;
             if (area > most) {
@@ -248,7 +250,7 @@ private:
         if (covered < whole_tolerance || covered > 1 - whole_tolerance) return;
         bool held = false;
         for (const int triangle : around) {
-            if (!holds_centre(triangle, row, x)) continue;
+            if (mesh_.flipped(triangle) != mesh_.flipped(part.front()) || !holds_centre(triangle, row, x)) continue;
             held = true;
             pixels.push_back({triangle, row, x, static_cast<float>(covered), true});
         }
@@ -294,13 +296,14 @@ std::vector<BorderEdge> border_edges(const Eigen::MatrixX3i& faces, const Snappe
     // Edges by their lower vertex: the few of one vertex are compared with each other.
     struct Edge {
         int upper, triangle, k;
+        bool flipped;
     };
     const auto for_each_edge = [&](const auto& body) {
         for (int triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
             if (!mesh.drawn(triangle)) continue;
             for (int k = 0; k < 3; ++k) {
                 const int i = faces(triangle, k), j = faces(triangle, (k + 1) % 3);
-                body(std::min(i, j), Edge{std::max(i, j), triangle, k});
+                body(std::min(i, j), Edge{std::max(i, j), triangle, k, mesh.flipped(triangle)});
             }
         }
     };
@@ -317,13 +320,15 @@ std::vector<BorderEdge> border_edges(const Eigen::MatrixX3i& faces, const Snappe
     for (std::size_t vertex = 0; vertex + 1 < starts.size(); ++vertex) {
         const std::span<const Edge> here{sorted.data() + starts[vertex], sorted.data() + starts[vertex + 1]};
         for (const Edge& edge : here) {
-            const auto same = [&](const Edge& other) { return other.upper == edge.upper; };
+            const auto same = [&](const Edge& other) {
+                return other.upper == edge.upper && other.flipped == edge.flipped;
+            };
             if (std::count_if(here.begin(), here.end(), same) != 1) continue;
             const SnappedPoint a = mesh.corner(edge.triangle, edge.k), b = mesh.corner(edge.triangle, (edge.k + 1) % 3);
             if (crosses_canvas(a, b, mesh.canvas())) edges.push_back({edge.triangle, a, b});
         }
     }
-    drop_cuts(edges);
+    drop_cuts(mesh, edges);
     return edges;
 }
 

@@ -7,14 +7,15 @@
 
 namespace puppetwarp::detail {
 
-//! An edge with a drawn triangle on one side only.
+//! An edge with a drawn triangle on one side only. A fold is two, when both of its triangles are drawn.
 struct BorderEdge {
     int triangle;
     SnappedPoint a, b;
 };
 
-//! Edges of a moved mesh that pass through the canvas and have one drawn triangle: its border, and folds. Edges whose
-//! ends lie in the same places as those of another one (a mesh that was cut apart) are none.
+//! Edges of a moved mesh that pass through the canvas and have one drawn triangle, or one that is flipped and one that
+//! is not: its border, and folds. Edges whose ends lie in the same places as those of another one (a mesh that was cut
+//! apart) are none.
 std::vector<BorderEdge> border_edges(const Eigen::MatrixX3i& faces, const SnappedMesh& mesh);
 
 //! A pixel of which a mesh covers a part.
@@ -28,8 +29,8 @@ struct BorderPixel {
 //! Pixels that the border of a mesh crosses, in the order of triangles, rows and columns.
 //!
 //! Coverage is the area of the pixel within the triangles around its border edges: those that share a corner with such
-//! an edge's triangle. So edges that two triangles share do not count, and what lies over or under that part of the
-//! mesh does not either. A pixel has an entry for each such part.
+//! an edge's triangle, and are flipped if it is. So edges that two triangles share do not count, and what lies over or
+//! under that part of the mesh does not either. A pixel has an entry for each such part.
 class BorderPixels {
 public:
     BorderPixels() = default;

@@ -41,9 +41,9 @@ Image with_alpha(const cv::Mat& matte) {
 struct DisplacementRows::Drawn {
     Drawn(const Image& image, const cv::Mat& matte, const TriangleMesh& rest, const Eigen::MatrixX2d& moved,
           const WarpOptions& options, double scale)
-        : input(detail::checked_input(rest, moved, options.canvas, image.width(), image.height())),
+        : input(detail::checked_input(rest, moved, options, image.width(), image.height())),
           plane{input.canvas, scale, image.width(), image.height()},
-          spans(input.rest, input.moved, input.canvas),
+          spans(input.rest, input.moved, input.canvas, options.back_faces),
           alpha(sampler_of(image, options.interpolation)),
           kept(sampler_of(with_alpha(matte), options.interpolation)) {}
 

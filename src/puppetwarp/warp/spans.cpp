@@ -18,16 +18,17 @@ std::int64_t snapped(double coordinate, int origin) {
     return static_cast<std::int64_t>(std::floor((coordinate - origin) * static_cast<double>(subpixel_one) + 0.5));
 }
 
-SnappedMesh::SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Canvas& canvas)
-    : faces_(rest.F), canvas_(canvas) {
+SnappedMesh::SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Canvas& canvas,
+                         BackFaces back_faces)
+    : faces_(rest.F), canvas_(canvas), back_faces_(back_faces) {
     points_.reserve(static_cast<std::size_t>(moved.rows()));
     for (Eigen::Index i = 0; i < moved.rows(); ++i) {
         points_.push_back({snapped(moved(i, 0), canvas.x), snapped(moved(i, 1), canvas.y)});
     }
     rows_.reserve(static_cast<std::size_t>(rest.F.rows()));
-    drawn_.reserve(rows_.capacity());
+    shows_.reserve(rows_.capacity());
     for (int triangle = 0; triangle < rest.F.rows(); ++triangle) {
-        drawn_.push_back(keeps_orientation(triangle, rest.V) ? 1 : 0);
+        shows_.push_back(what_shows(triangle, rest.V));
         rows_.push_back(rows_of(triangle));
     }
     block_rows_.resize((rows_.size() + block_triangles - 1) / block_triangles);
@@ -39,13 +40,15 @@ SnappedMesh::SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved
     }
 }
 
-bool SnappedMesh::keeps_orientation(int triangle, const Eigen::MatrixX2d& rest) const {
+SnappedMesh::Shows SnappedMesh::what_shows(int triangle, const Eigen::MatrixX2d& rest) const {
     const Eigen::RowVector2d p = rest.row(faces_(triangle, 0));
     const Eigen::RowVector2d ab = rest.row(faces_(triangle, 1)) - p;
     const Eigen::RowVector2d ac = rest.row(faces_(triangle, 2)) - p;
     const double rest_area = ab.x() * ac.y() - ab.y() * ac.x();
     const Int128 area = snapped_double_area(corner(triangle, 0), corner(triangle, 1), corner(triangle, 2));
-    return (area > 0 && rest_area > 0) || (area < 0 && rest_area < 0);
+    if (area == 0 || rest_area == 0) return Shows::nothing;
+    if ((area > 0) == (rest_area > 0)) return Shows::front;
+    return back_faces_ == BackFaces::show ? Shows::back : Shows::nothing;
 }
 
 RowRange SnappedMesh::rows_of(int triangle) const {

@@ -136,14 +136,17 @@ void for_each_span(SnappedPoint a, SnappedPoint b, SnappedPoint c, RowRange rows
 class SnappedMesh {
 public:
     //! \param moved  finite, below 2^30 px.
-    SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Canvas& canvas);
+    SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Canvas& canvas,
+                BackFaces back_faces = BackFaces::hide);
 
     int triangle_count() const { return static_cast<int>(rows_.size()); }
     const Canvas& canvas() const { return canvas_; }
     SnappedPoint corner(int triangle, int k) const { return points_[static_cast<std::size_t>(faces_(triangle, k))]; }
-    //! False for triangles that are flipped or without area.
-    bool drawn(int triangle) const { return drawn_[static_cast<std::size_t>(triangle)] != 0; }
-    //! Rows in which a triangle may have pixels; none when it is flipped, without area or beside the canvas.
+    //! False for triangles without area, and for flipped ones when these are hidden.
+    bool drawn(int triangle) const { return shows(triangle) != Shows::nothing; }
+    //! Whether a triangle that is drawn is flipped.
+    bool flipped(int triangle) const { return shows(triangle) == Shows::back; }
+    //! Rows in which a triangle may have pixels; none when it is not drawn, or beside the canvas.
     RowRange rows(int triangle) const { return rows_[static_cast<std::size_t>(triangle)]; }
 
     //! `body(row, first, last)` for the pixels of a triangle within `band`.
@@ -174,14 +177,17 @@ public:
     int layers_on_first_pixel() const;
 
 private:
-    bool keeps_orientation(int triangle, const Eigen::MatrixX2d& rest) const;
+    enum class Shows : std::uint8_t { nothing, front, back };
+    Shows shows(int triangle) const { return shows_[static_cast<std::size_t>(triangle)]; }
+    Shows what_shows(int triangle, const Eigen::MatrixX2d& rest) const;
     RowRange rows_of(int triangle) const;
     bool covers(RowRange band) const;
 
     const Eigen::MatrixX3i& faces_;
     Canvas canvas_;
+    BackFaces back_faces_;
     std::vector<SnappedPoint> points_;
-    std::vector<std::uint8_t> drawn_;
+    std::vector<Shows> shows_;
     std::vector<RowRange> rows_;
     // Neighbours in a mesh mostly have indices close to each other: whole blocks of them lie beside a band.
     static constexpr int block_triangles = 32;

@@ -66,15 +66,25 @@ Interpolation interpolation_from_name(std::string_view name) {
     throw InvalidInput("interpolation '" + std::string(name) + "'", "unknown", "choose one of " + known);
 }
 
+std::string back_faces_name(BackFaces back_faces) {
+    return back_faces == BackFaces::hide ? "hide" : "show";
+}
+
+BackFaces back_faces_from_name(std::string_view name) {
+    if (name == "hide") return BackFaces::hide;
+    if (name == "show") return BackFaces::show;
+    throw InvalidInput("back faces '" + std::string(name) + "'", "unknown", "choose hide or show");
+}
+
 Image detail::warp_with(Simd simd, const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved,
                         const WarpOptions& options, Progress& progress) {
     assert(is_picture(image.pixels));
-    const WarpInput input = checked_input(rest, moved, options.canvas, image.width(), image.height());
+    const WarpInput input = checked_input(rest, moved, options, image.width(), image.height());
     WarpOptions chosen = options;
     chosen.canvas = input.canvas;
     progress.step("warp", 0);
 
-    const SnappedMesh spans(input.rest, input.moved, chosen.canvas);
+    const SnappedMesh spans(input.rest, input.moved, chosen.canvas, options.back_faces);
     PixelFormat format{image.pixels.depth(), image.pixels.channels(), false};
     const std::vector<BorderEdge> edges = border_edges(input.rest.F, spans);
     const bool smooth = options.interpolation != Interpolation::nearest;

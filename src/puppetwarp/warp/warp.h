@@ -26,6 +26,13 @@ struct Canvas {
     int height = 0;
 };
 
+//! What becomes of triangles that are turned over, which show the picture mirrored.
+enum class BackFaces { hide, show };
+
+std::string back_faces_name(BackFaces back_faces);
+//! \throw InvalidInput  unknown name (lists the known ones).
+BackFaces back_faces_from_name(std::string_view name);
+
 struct WarpOptions {
     Interpolation interpolation = Interpolation::bicubic;
     Canvas canvas;        //!< of no size: the source's own
@@ -33,12 +40,15 @@ struct WarpOptions {
     //! What the canvas stands for, when that ends between pixels (`scaled_canvas`): a pixel that it ends in counts as
     //! covered when its part inside is. Empty: the canvas itself.
     Eigen::AlignedBox2d frame = {};
+    BackFaces back_faces = BackFaces::hide;
+    Eigen::VectorXd depth = {};  //!< #V, larger is nearer to the viewer; empty: all alike. See `painters_order`
 };
 
 //! Draws a picture through moved triangles.
 //!
-//! A pixel belongs to the triangle that holds its centre (one triangle, also on shared edges). Triangles are drawn in
-//! the order of their indices, later ones over earlier ones; flipped ones are not drawn. Sampling is
+//! A pixel belongs to the triangle that holds its centre (one triangle, also on shared edges). Triangles are drawn over
+//! each other in `painters_order`, without depths in the order of their indices; flipped ones only on demand, and those
+//! that have no area not at all. Sampling is
 //! premultiplied; where a triangle moves by whole pixels its pixels are copied. Pixels that no triangle covers are
 //! transparent: the output has alpha when the input has, or when some output pixel is uncovered.
 //! Beyond its border a picture without alpha repeats its outermost pixels; one with alpha fades out over half a pixel.
@@ -47,8 +57,8 @@ struct WarpOptions {
 //! that move by whole pixels. (Neither for `nearest`.)
 //! The same bytes for any number of threads.
 //! \param moved  #V x 2 positions of the vertices of `rest`.
-//! \throw InvalidInput  positions that are not finite or not one for each vertex; a triangle that names a missing
-//! vertex;
+//! \throw InvalidInput  positions or depths that are not finite or not one for each vertex; a triangle that names a
+//!        missing vertex;
 //!        a canvas of more than 2^31 - 1 pixels, of no size along one axis, or more than 2^30 px away.
 //! \throw MachineFault  not enough memory for the canvas.
 Image warp(const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const WarpOptions& options,

@@ -1,11 +1,13 @@
 #include <puppetwarp/warp/warp_input.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/warp/painters_order.h>
 
 #include <opencv2/core.hpp>
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -58,16 +60,18 @@ void require_possible(std::int64_t width, std::int64_t height) {
     }
 }
 
-WarpInput checked_input(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Canvas& canvas, int width,
+WarpInput checked_input(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const WarpOptions& options, int width,
                         int height) {
     require_warpable(rest, moved);
-    const bool none = canvas.width == 0 && canvas.height == 0;
-    const Canvas chosen = none ? Canvas{0, 0, width, height} : canvas;
+    const bool none = options.canvas.width == 0 && options.canvas.height == 0;
+    const Canvas chosen = none ? Canvas{0, 0, width, height} : options.canvas;
     require_possible(chosen.width, chosen.height);
     if (!is_within_reach(chosen.x) || !is_within_reach(chosen.y)) {
         throw InvalidInput("canvas", "it lies more than 2^30 pixels away", "choose a canvas near the picture");
     }
-    return {{rest.V.cwiseMax(-farthest_rest_px).cwiseMin(farthest_rest_px), rest.F},
+    TriangleMesh painted{rest.V.cwiseMax(-farthest_rest_px).cwiseMin(farthest_rest_px), rest.F};
+    if (options.depth.size() > 0) painted.F = rest.F(painters_order(rest, options.depth), Eigen::all);
+    return {std::move(painted),
             moved.cwiseMax(-farthest_moved_px).cwiseMin(farthest_moved_px),
             chosen};
 }

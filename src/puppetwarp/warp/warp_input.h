@@ -17,14 +17,14 @@ void require_possible(std::int64_t width, std::int64_t height);
 
 //! What is drawn, checked and brought within reach.
 struct WarpInput {
-    TriangleMesh rest;
+    TriangleMesh rest;  //!< its triangles in the order in which they are painted
     Eigen::MatrixX2d moved;
     Canvas canvas;
 };
 
-//! \param canvas  of no size: the picture's own, `width` x `height`.
+//! Of the options, canvas and depths: a canvas of no size is the picture's own, `width` x `height`.
 //! \throw InvalidInput  as `warp`.
-WarpInput checked_input(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Canvas& canvas, int width,
+WarpInput checked_input(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const WarpOptions& options, int width,
                         int height);
 
 //! Pixels for a canvas, not filled. \throw MachineFault  not enough memory.

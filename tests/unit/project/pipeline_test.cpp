@@ -121,6 +121,38 @@ TEST_F(Pipeline, GrownCanvasHoldsAllOfTheSubject) {
     EXPECT_NEAR(cv::countNonZero(alpha == 255), 100 * 100, 400);
 }
 
+// Two bars, one moved onto the other: the pose says which is in front.
+TEST_F(Pipeline, DepthsDecideWhatIsInFront) {
+    Image bars = square(0);
+    bars.pixels.rowRange(60, 80).setTo(cv::Scalar(0, 0, 0, 0));
+    bars.pixels(cv::Rect(20, 80, 100, 40)).setTo(cv::Scalar(10, 220, 30, 255));
+    Puppet puppet = puppet_of(bars);
+    Pose pose;
+    pose.handles["b"].to = Point(100, 60);
+    pose.handles["a"].rotate_rad = pose.handles["b"].rotate_rad = 0;
+    const auto shared = [&] { return render(puppet, pose, {}, progress).image.pixels.at<cv::Vec4b>(50, 70); };
+    pose.handles["b"].depth = 1;
+    EXPECT_EQ(shared(), cv::Vec4b(10, 220, 30, 255));
+    pose.handles["b"].depth = -1;
+    EXPECT_EQ(shared(), cv::Vec4b(200, 100, 50, 255));
+    pose.handles["a"].depth = -2;
+    EXPECT_EQ(shared(), cv::Vec4b(10, 220, 30, 255));
+    EXPECT_EQ(render(puppet, pose, {}, progress).depth.minCoeff(), -2);
+}
+
+TEST_F(Pipeline, BackFacesShowOnDemand) {
+    Puppet puppet = puppet_of(square(0));
+    puppet.rig.handles = {{"all", RegionHandle{{{0, 0}, {140, 0}, {140, 140}, {0, 140}}, Falloff::none}}};
+    puppet.method.method = Method::harmonic;
+    Pose pose;
+    pose.handles["all"].affine = {-1, 0, 0, 1, 140, 0};
+    const Rendered hidden = render(puppet, pose, {}, progress);
+    EXPECT_EQ(cv::countNonZero(hidden.image.pixels.reshape(1)), 0);
+    EXPECT_EQ(hidden.report.distortion.flipped_triangles, hidden.report.triangles);
+    puppet.back_faces = BackFaces::show;
+    EXPECT_EQ(render(puppet, pose, {}, progress).image.pixels.at<cv::Vec4b>(50, 70), cv::Vec4b(200, 100, 50, 255));
+}
+
 TEST_F(Pipeline, CanvasOverTheLimitIsRefusedBeforeDrawing) {
     const Puppet puppet = puppet_of(square(0));
     RenderOptions options;

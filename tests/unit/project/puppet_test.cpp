@@ -29,6 +29,7 @@ const char* const full_document = R"({
     "feather_px": 3
   },
   "background": "#10203040",
+  "back_faces": "show",
   "mesh": {
     "max_edge_px": 12,
     "min_angle_deg": 25,
@@ -147,6 +148,7 @@ TEST(Puppet, EveryFieldIsRead) {
     EXPECT_EQ(puppet.cutout.points[2], Point(200, 300.25));
     EXPECT_EQ(puppet.cutout.holes.at(0).at(2), Point(55, 60));
     EXPECT_EQ(puppet.background, "#10203040");
+    EXPECT_EQ(puppet.back_faces, BackFaces::show);
     EXPECT_EQ(puppet.mesh.max_edge_px, 12);
     ASSERT_EQ(puppet.rig.handles.size(), 6u);
     EXPECT_EQ(std::get<PointHandle>(puppet.rig.handles[0].shape).radius_px, 9.5);
@@ -179,11 +181,13 @@ TEST(Puppet, ClearedFieldsAreGoneUnknownOnesStay) {
     Puppet puppet = parse(full_document);
     puppet.poses[0].handles["hand"].rotate_rad.reset();
     puppet.background.reset();
+    puppet.back_faces = BackFaces::hide;
     puppet.rig.handles.erase(puppet.rig.handles.begin() + 5);
     const Json json = Json::parse(to_json(puppet));
     EXPECT_FALSE(json["poses"][0]["handles"]["hand"].contains("rotate_deg"));
     EXPECT_EQ(json["poses"][0]["handles"]["hand"]["ease"], "in");
     EXPECT_FALSE(json.contains("background"));
+    EXPECT_FALSE(json.contains("back_faces"));
     EXPECT_EQ(json["handles"].size(), 5u);
     EXPECT_EQ(json["author"]["name"], "someone");
 }
@@ -272,6 +276,11 @@ TEST(Puppet, MistakesNameTheirField) {
         testing::HasSubstr("parent"));
     EXPECT_THAT(complaint(head + R"("poses": [{"name": "rest"}]})"), testing::HasSubstr("poses[0].name"));
     EXPECT_THAT(complaint(head + R"("poses": [{"name": "a"}, {"name": "a"}]})"), testing::HasSubstr("poses[1]"));
+    EXPECT_THAT(complaint(head + R"("back_faces": "both"})"),
+                testing::AllOf(testing::HasSubstr("back_faces"), testing::HasSubstr("hide or show")));
+    EXPECT_THAT(complaint(head + R"("handles": [{"id": "a", "type": "point", "at": [0, 0]}],
+                                    "poses": [{"name": "p", "handles": {"a": {"depth": 1e7}}}]})"),
+                testing::HasSubstr("depth"));
     EXPECT_THAT(complaint(head + R"("cutout": {"from": "mask"}})"),
                 testing::HasSubstr("cutout lacks the field `path`"));
     EXPECT_THAT(complaint(head + R"("stiffness": [{"image": "s.png"}]})"),

@@ -88,7 +88,7 @@ TEST_P(SamplePuppet, MovesInEachPoseWithoutAFold) {
         EXPECT_GT((moved.V - mesh.V).rowwise().norm().maxCoeff(), 0.01 * size);  // to be seen
         RenderOptions options;
         options.interpolation = Interpolation::nearest;
-        const Image drawn = draw_subject(puppet, image, cutout, mesh, moved.V, options, report, progress);
+        const Image drawn = draw_subject(puppet, image, cutout, mesh, moved.V, {}, options, report, progress);
         EXPECT_EQ(drawn.pixels.size(), image.pixels.size());
         EXPECT_EQ(drawn.pixels.depth(), image.pixels.depth());
     }

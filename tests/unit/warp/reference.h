@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -23,6 +24,12 @@ public:
         : image_(image), rest_(rest), moved_(moved), options_(options) {
         if (options_.canvas.width == 0) options_.canvas = {0, 0, image.width(), image.height()};
         find_border();
+        for (Eigen::Index f = 0; f < rest.F.rows(); ++f) {
+            double depth = 0;
+            if (options.depth.size() > 0)
+                for (int k = 0; k < 3; ++k) depth += options.depth(rest.F(f, k));
+            order_.emplace(depth, f);
+        }
     }
 
     //! Premultiplied, alpha in [0, 1], colour in the picture's numbers. [4] is set where an edge passes too near for
@@ -31,10 +38,11 @@ public:
         const double x = options_.canvas.x + column + 0.5, y = options_.canvas.y + row + 0.5;
         Premultiplied below{};
         if (near_border({x, y})) below[4] = 1;
-        for (Eigen::Index f = 0; f < rest_.F.rows(); ++f) {
+        for (const auto& [depth, f] : order_) {
             const Corners to = corners(moved_, f), from = corners(rest_, f);
             const double area = cross(to, 0, 1, to[2]), rest_area = cross(from, 0, 1, from[2]);
-            if (area * rest_area <= 0) continue;
+            if (area == 0 || rest_area == 0) continue;
+            if (area * rest_area < 0 && options_.back_faces == BackFaces::hide) continue;
             const Eigen::Vector2d p(x, y);
             const double w0 = cross(to, 1, 2, p) / area, w1 = cross(to, 2, 0, p) / area, w2 = cross(to, 0, 1, p) / area;
             const double least = std::min({w0, w1, w2});
@@ -52,21 +60,19 @@ public:
 private:
     using Corners = std::array<Eigen::Vector2d, 3>;
 
-    bool drawn(Eigen::Index f) const {
-        const Corners to = corners(moved_, f), from = corners(rest_, f);
-        return cross(to, 0, 1, to[2]) * cross(from, 0, 1, from[2]) > 0;
-    }
-
-    // Edges with one drawn triangle.
+    // Edges with one drawn triangle, or two that lie on the same side.
     void find_border() {
-        std::map<std::pair<int, int>, int> triangles;
+        std::map<std::pair<int, int>, std::array<int, 2>> triangles;
         for (Eigen::Index f = 0; f < rest_.F.rows(); ++f) {
-            for (int k = 0; k < 3 && drawn(f); ++k) {
-                ++triangles[std::minmax({rest_.F(f, k), rest_.F(f, (k + 1) % 3)})];
+            const Corners to = corners(moved_, f), from = corners(rest_, f);
+            const double sign = cross(to, 0, 1, to[2]) * cross(from, 0, 1, from[2]);
+            if (sign == 0 || (sign < 0 && options_.back_faces == BackFaces::hide)) continue;
+            for (int k = 0; k < 3; ++k) {
+                ++triangles[std::minmax({rest_.F(f, k), rest_.F(f, (k + 1) % 3)})][sign < 0 ? 1 : 0];
             }
         }
         for (const auto& [edge, count] : triangles) {
-            if (count == 1) border_.push_back(edge);
+            if (count[0] == 1 || count[1] == 1) border_.push_back(edge);
         }
     }
 
@@ -211,6 +217,7 @@ private:
     const Eigen::MatrixX2d& moved_;
     WarpOptions options_;
     std::vector<std::pair<int, int>> border_;
+    std::set<std::pair<double, Eigen::Index>> order_;  // by depth, then by index
 };
 
 }  // namespace puppetwarp::testing

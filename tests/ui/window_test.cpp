@@ -10,6 +10,7 @@
 
 #include <cstdlib>
 #include <memory>
+#include <tuple>
 
 namespace puppetwarp::tests {
 namespace {
@@ -181,6 +182,34 @@ TEST_F(WindowTest, ADraggedPinSettlesAndIsSaved) {
         EXPECT_TRUE(saved.poses.at(0).handles.at("right hand").to) << method;
         editor.key("ctrl+q");
         EXPECT_EQ(editor.wait_for_exit(), 0);
+    }
+}
+
+// A page whose right half is folded over its left: its back is blue, what lies under it red.
+TEST_F(WindowTest, ShowsWhatIsInFrontAsTheCommandDraws) {
+    Image page{cv::Mat(140, 140, CV_8UC3, cv::Scalar(220, 20, 20)), {}};
+    page.pixels.colRange(70, 140).setTo(cv::Scalar(20, 20, 220));
+    write_image(page, folder / "page.png");
+    const Point under(30, 70);
+    for (const auto& [depth, back_faces, blue] :
+         {std::tuple("1", "show", true), {"-1", "show", false}, {"1", "hide", false}}) {
+        const std::string file = folder / "page.puppet.json";
+        put_bytes(file, R"({"format": "puppetwarp", "version": 1, "image": "page.png", "back_faces": ")" +
+                            std::string(back_faces) + R"(", "method": {"name": "harmonic"}, "handles": [
+            {"id": "left", "type": "region", "points": [[-9, -9], [40, -9], [40, 149], [-9, 149]]},
+            {"id": "right", "type": "region", "points": [[100, -9], [149, -9], [149, 149], [100, 149]]}],
+            "poses": [{"name": "folded", "handles": {"right": {"affine": [-1, 0, 0, 1, 140, 0], "depth": )" +
+                            depth + "}}}]}");
+        const Puppet puppet = read_puppet(file);
+        Progress progress;
+        const cv::Mat drawn = render(puppet, default_pose(puppet), {}, progress).image.pixels;
+        EXPECT_EQ(drawn.at<cv::Vec4b>(70, 30), blue ? cv::Vec4b(20, 20, 220, 255) : cv::Vec4b(220, 20, 20, 255));
+        DrivenEditor editor(*display, folder.path(), {file});
+        editor.wait_for({"document=1", "settled=1"});
+        const Image shown = editor.screenshot();
+        const Point place = editor.window_from_image(under);
+        const auto pixel = shown.pixels.at<cv::Vec3b>(cvRound(place.y()), cvRound(place.x()));
+        EXPECT_EQ(pixel, blue ? cv::Vec3b(20, 20, 220) : cv::Vec3b(220, 20, 20)) << depth << " " << back_faces;
     }
 }
 

@@ -100,7 +100,7 @@ GlTexture make_texture(const cv::Mat& rgba) {
     return texture;
 }
 
-// The rectangle of the picture first, then the triangles in their order.
+// The rectangle of the picture first, then the triangles in the order in which they are painted.
 std::vector<Vertex> all_vertices(const Shape& shape) {
     const auto width = static_cast<float>(shape.subject->image.width());
     const auto height = static_cast<float>(shape.subject->image.height());
@@ -109,7 +109,8 @@ std::vector<Vertex> all_vertices(const Shape& shape) {
     if (!shape.mesh) return vertices;
     const TriangleMesh& mesh = *shape.mesh;
     vertices.reserve(vertices.size() + 3 * static_cast<std::size_t>(mesh.F.rows()));
-    for (Eigen::Index t = 0; t < mesh.F.rows(); ++t) {
+    for (Eigen::Index place = 0; place < mesh.F.rows(); ++place) {
+        const Eigen::Index t = shape.order.size() > 0 ? shape.order(place) : place;
         for (int k = 0; k < 3; ++k) {
             const int i = mesh.F(t, k);
             vertices.push_back({static_cast<float>(shape.moved(i, 0)), static_cast<float>(shape.moved(i, 1)),
@@ -194,8 +195,8 @@ void PictureRenderer::draw(const Frame& frame, const std::shared_ptr<const Shape
     glBindTexture(GL_TEXTURE_2D, (picture_texture_ ? picture_texture_ : subject_texture_).get());
     if (frame.keep_picture || mesh_vertices_ == 0) draw_part(textured, 0, rectangle_vertices);
     if (mesh_vertices_ > 0) {
-        // As the command does it: turned-over triangles are not drawn. The y axis points down, hence clockwise.
-        glEnable(GL_CULL_FACE);
+        // As the command does it: turned-over triangles are drawn on demand. The y axis points down, hence clockwise.
+        if (!frame.back_faces) glEnable(GL_CULL_FACE);
         glFrontFace(GL_CW);
         glBindTexture(GL_TEXTURE_2D, subject_texture_.get());
         draw_part(textured, rectangle_vertices, mesh_vertices_);

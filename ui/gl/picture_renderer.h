@@ -21,6 +21,7 @@ public:
         double pixels_per_point = 1;  //!< of the framebuffer
         ViewTransform view;
         bool show_mesh = false;
+        bool back_faces = false;                       //!< triangles that are turned over are drawn too
         bool keep_picture = false;                     //!< the picture itself stands behind
         std::array<double, 4> background{0, 0, 0, 0};  //!< colour behind, straight alpha
     };

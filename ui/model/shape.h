@@ -43,6 +43,7 @@ struct Shape {
     std::shared_ptr<const Subject> subject;    //!< null: there is no picture
     std::shared_ptr<const TriangleMesh> mesh;  //!< null: there are no triangles
     Eigen::MatrixX2d moved;                    //!< #V x 2 positions of the mesh
+    Eigen::VectorXi order;                     //!< `painters_order` of the pose; empty: the order of the triangles
     Distortion distortion;
     bool live = false;      //!< of the request
     bool converged = true;  //!< the method came to its end (a live shape need not)

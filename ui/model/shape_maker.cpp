@@ -6,6 +6,8 @@
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/project/pipeline.h>
 #include <puppetwarp/project/stiffness_pictures.h>
+#include <puppetwarp/rig/depth.h>
+#include <puppetwarp/warp/painters_order.h>
 
 #include <exception>
 #include <thread>
@@ -50,6 +52,18 @@ std::string rig_key(const Puppet& puppet) {
     return puppet.folder.string() + to_json(part);
 }
 
+// What depths depend on beside the mesh: handles, and what the pose says of their depths.
+std::string order_key(const ShapeRequest& request) {
+    Puppet part;
+    part.rig.handles = request.puppet->rig.handles;
+    Pose depths{"depths", 0, {}};
+    for (const auto& [id, pose] : request.pose.handles) {
+        if (pose.depth) depths.handles[id].depth = pose.depth;
+    }
+    part.poses = {std::move(depths)};
+    return to_json(part);
+}
+
 using Clock = std::chrono::steady_clock;
 
 // While the solver waits for a factor there is nothing to do.
@@ -70,6 +84,7 @@ std::shared_ptr<const Shape> ShapeMaker::make(const ShapeRequest& request, Progr
         shape->mesh = mesh_;
         shape->moved = mesh_->V;
         deform(request, *shape, progress);
+        shape->order = order(request);
     } catch (const Error& error) {
         shape->error = error.what();
     } catch (const Cancelled&) {
@@ -104,6 +119,7 @@ void ShapeMaker::update_mesh(const Puppet& puppet, Progress& progress) {
     if (mesh_ && key == mesh_key_) return;
     mesh_.reset();
     solver_.reset();
+    order_key_.clear();
     progress.step("triangulate", 0);
     const Outline outline =
         outline_subject(puppet, subject_->image.width(), subject_->image.height(), subject_->cutout);
@@ -167,6 +183,15 @@ void ShapeMaker::deform(const ShapeRequest& request, Shape& shape, Progress& pro
     shape.warnings.insert(shape.warnings.end(), frame.warnings.begin(), frame.warnings.end());
     shape.moved = std::move(frame.V);
     last_moved_ = shape.moved;
+}
+
+const Eigen::VectorXi& ShapeMaker::order(const ShapeRequest& request) {
+    std::string key = order_key(request);
+    if (key == order_key_) return order_;
+    const Eigen::VectorXd depth = vertex_depths(*mesh_, request.puppet->rig, request.pose);
+    order_ = depth.size() > 0 ? painters_order(*mesh_, depth) : Eigen::VectorXi();
+    order_key_ = std::move(key);
+    return order_;
 }
 
 InteractiveFrame ShapeMaker::follow(const ShapeRequest& request, Shape& shape, Progress& progress) {

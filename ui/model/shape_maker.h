@@ -37,6 +37,7 @@ private:
     Rig rig(const Puppet& puppet);
     void update_solver(const Puppet& puppet, Progress& progress);
     void deform(const ShapeRequest& request, Shape& shape, Progress& progress);
+    const Eigen::VectorXi& order(const ShapeRequest& request);
     InteractiveFrame follow(const ShapeRequest& request, Shape& shape, Progress& progress);
     InteractiveFrame advance(const Pose& pose);
     InteractiveFrame settle(const ShapeRequest& request, Shape& shape, Progress& progress);
@@ -56,6 +57,8 @@ private:
     std::uint64_t live_revision_ = 0;            // of the last live request, and since when it is the last
     std::chrono::steady_clock::time_point resting_since_;
     Eigen::MatrixX2d last_moved_;  // of mesh_
+    std::string order_key_;
+    Eigen::VectorXi order_;  // in which the triangles of mesh_ are painted
 };
 
 }  // namespace puppetwarp::ui

@@ -109,6 +109,7 @@ PictureRenderer::Frame Canvas::frame(const Point& window_size, double pixels_per
     frame.pixels_per_point = pixels_per_point;
     frame.view = view_;
     frame.show_mesh = show_mesh;
+    frame.back_faces = editor_.puppet().back_faces == BackFaces::show;
     if (editor_.puppet().background) {
         try {
             const Background background = background_from_name(*editor_.puppet().background);

@@ -229,9 +229,9 @@ void add_picture_options(CLI::App& warp, WarpRequest& request) {
         ->check(completed_by(interpolation_names()));
     warp.add_flag("--linear", request.linear,
                   "Blend in linear light, by the tone curves of the picture's profile, else sRGB's");
-    warp.add_option("--background", request.background, "transparent (default), keep, #rrggbb or #rrggbbaa")
+    warp.add_option("--background", request.background, "transparent (default), keep, inpaint, #rrggbb or #rrggbbaa")
         ->type_name("B")
-        ->check(completed_by({"transparent", "keep"}));
+        ->check(completed_by({"transparent", "keep", "inpaint"}));
     warp.add_option("--back-faces", request.back_faces,
                     "Triangles that are folded over: hide (default) or show, mirrored")
         ->type_name("F")

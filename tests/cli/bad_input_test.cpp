@@ -238,6 +238,11 @@ TEST_F(BadInput, OutputsThatWouldDestroyInputsOrEachOther) {
     EXPECT_EQ(puppetwarp_command({"warp", folder / "m.json", "-o", out}).exit_code, 0);
 }
 
+TEST_F(BadInput, NothingToFillABackgroundFrom) {
+    expect_refused(warp(photo, {"--pin", "40,30", "--background", "inpaint"}), "whole picture");
+    expect_refused(warp(good, {"--pin", "60,50", "--background", "inpaint"}), "nothing around the subject");
+}
+
 TEST_F(BadInput, EmptyWordsAreNotDefaults) {
     for (const char* option : {"--method", "--arap-energy", "--background", "--back-faces", "--pose", "--canvas", "--interpolation",
                                "--image", "--displacement", "--displacement-in", "--mesh-out", "--scale"}) {

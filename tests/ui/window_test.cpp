@@ -213,6 +213,27 @@ TEST_F(WindowTest, ShowsWhatIsInFrontAsTheCommandDraws) {
     }
 }
 
+// A red square on grey, moved away: what is left behind is filled.
+TEST_F(WindowTest, ShowsTheFilledBackground) {
+    Image square{cv::Mat(140, 140, CV_8UC3, cv::Scalar(90, 100, 110)), {}};
+    square.pixels(cv::Rect(20, 50, 40, 40)).setTo(cv::Scalar(220, 20, 20));
+    write_image(square, folder / "square.png");
+    const std::string file = folder / "square.puppet.json";
+    put_bytes(file, R"({"format": "puppetwarp", "version": 1, "image": "square.png", "background": "inpaint",
+        "cutout": {"from": "polygon", "points": [[20, 50], [60, 50], [60, 90], [20, 90]]},
+        "handles": [{"id": "a", "type": "point", "at": [40, 70]}],
+        "poses": [{"name": "moved", "handles": {"a": {"to": [100, 70], "rotate_deg": 0}}}]})");
+    DrivenEditor editor(*display, folder.path(), {file});
+    editor.wait_for({"document=1", "settled=1", "trouble=0"});
+    const Image shown = editor.screenshot();
+    const auto at = [&](double x, double y) {
+        const Point place = editor.window_from_image({x, y});
+        return shown.pixels.at<cv::Vec3b>(cvRound(place.y()), cvRound(place.x()));
+    };
+    EXPECT_EQ(at(85, 60), cv::Vec3b(220, 20, 20));
+    EXPECT_EQ(at(40, 70), cv::Vec3b(90, 100, 110));
+}
+
 TEST_F(WindowTest, AClickWithinOneFrameIsNotLost) {
     const Image image = read_image(picture);
     DrivenEditor editor(*display, folder.path(), {picture});

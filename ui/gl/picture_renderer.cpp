@@ -153,6 +153,8 @@ void PictureRenderer::upload(const std::shared_ptr<const Shape>& shape) {
         picture_texture_ = GlTexture();
         const bool same = shape->subject->shown_picture.data == shape->subject->shown_subject.data;
         if (!same) picture_texture_ = make_texture(shape->subject->shown_picture);
+        const bool filled = !shape->subject->shown_filled.empty();
+        filled_texture_ = filled ? make_texture(shape->subject->shown_filled) : GlTexture();
         subject_ = shape->subject;
     }
     const std::vector<Vertex> vertices = all_vertices(*shape);
@@ -194,6 +196,10 @@ void PictureRenderer::draw(const Frame& frame, const std::shared_ptr<const Shape
     }
     glBindTexture(GL_TEXTURE_2D, (picture_texture_ ? picture_texture_ : subject_texture_).get());
     if (frame.keep_picture || mesh_vertices_ == 0) draw_part(textured, 0, rectangle_vertices);
+    if (frame.fill_picture && filled_texture_ && mesh_vertices_ > 0) {
+        glBindTexture(GL_TEXTURE_2D, filled_texture_.get());
+        draw_part(textured, 0, rectangle_vertices);
+    }
     if (mesh_vertices_ > 0) {
         // As the command does it: turned-over triangles are drawn on demand. The y axis points down, hence clockwise.
         if (!frame.back_faces) glEnable(GL_CULL_FACE);

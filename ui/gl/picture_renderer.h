@@ -23,6 +23,7 @@ public:
         bool show_mesh = false;
         bool back_faces = false;                       //!< triangles that are turned over are drawn too
         bool keep_picture = false;                     //!< the picture itself stands behind
+        bool fill_picture = false;                     //!< the picture without its subject stands behind
         std::array<double, 4> background{0, 0, 0, 0};  //!< colour behind, straight alpha
     };
 
@@ -47,6 +48,7 @@ private:
     GLsizei mesh_vertices_ = 0;
     GlTexture subject_texture_;
     GlTexture picture_texture_;
+    GlTexture filled_texture_;
     std::shared_ptr<const Subject> subject_;
     std::shared_ptr<const Shape> shape_;
 };

@@ -22,6 +22,8 @@ struct Subject {
     cv::Mat shown_subject;
     //! The picture before the cutout, likewise; for backgrounds that keep it.
     cv::Mat shown_picture;
+    //! The picture filled where its subject was (`fill_behind`), likewise; empty while no background asks for it.
+    cv::Mat shown_filled;
 };
 
 //! What the screen shall show: a puppet in a pose.

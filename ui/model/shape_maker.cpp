@@ -4,6 +4,7 @@
 #include "model/shown_picture.h"
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/cutout/fill_behind.h>
 #include <puppetwarp/project/pipeline.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/rig/depth.h>
@@ -85,6 +86,8 @@ std::shared_ptr<const Shape> ShapeMaker::make(const ShapeRequest& request, Progr
         shape->moved = mesh_->V;
         deform(request, *shape, progress);
         shape->order = order(request);
+        if (request.puppet->background == "inpaint") fill_subject(progress);
+        shape->subject = subject_;
     } catch (const Error& error) {
         shape->error = error.what();
     } catch (const Cancelled&) {
@@ -112,6 +115,14 @@ void ShapeMaker::update_subject(const Puppet& puppet, Progress& progress) {
     subject_key_ = std::move(key);
     mesh_.reset();
     stiffness_key_.clear();
+}
+
+// What is behind the subject takes a second, and only few ask for it.
+void ShapeMaker::fill_subject(Progress& progress) {
+    if (!subject_->shown_filled.empty()) return;
+    auto subject = std::make_shared<Subject>(*subject_);
+    subject->shown_filled = shown_picture(fill_behind(subject->image, subject->cutout, progress), longest_side_px_);
+    subject_ = std::move(subject);
 }
 
 void ShapeMaker::update_mesh(const Puppet& puppet, Progress& progress) {

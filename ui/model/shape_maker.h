@@ -33,6 +33,7 @@ public:
 
 private:
     void update_subject(const Puppet& puppet, Progress& progress);
+    void fill_subject(Progress& progress);
     void update_mesh(const Puppet& puppet, Progress& progress);
     Rig rig(const Puppet& puppet);
     void update_solver(const Puppet& puppet, Progress& progress);

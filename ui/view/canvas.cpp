@@ -114,6 +114,7 @@ PictureRenderer::Frame Canvas::frame(const Point& window_size, double pixels_per
         try {
             const Background background = background_from_name(*editor_.puppet().background);
             frame.keep_picture = background.kind == Background::Kind::keep;
+            frame.fill_picture = background.kind == Background::Kind::inpaint;
             if (background.kind == Background::Kind::colour) frame.background = background.rgba;
         } catch (const Error&) {
             // The export says what is wrong with it; until then it is as good as none.

@@ -207,7 +207,7 @@ Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutou
                           puppet.back_faces,     depth};
     const Image warped = warp(apply_cutout(image, cutout), mesh, shown, how, progress);
     const Background background = background_from_name(puppet.background.value_or("transparent"));
-    return finished_picture(warped, image, cutout.whole, background, options, report, progress);
+    return finished_picture(warped, image, cutout, background, options, report, progress);
 }
 
 Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& options, Progress& progress) {

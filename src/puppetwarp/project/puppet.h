@@ -34,7 +34,7 @@ struct Puppet {
     std::filesystem::path folder;  //!< relative paths below are relative to it; empty: the working folder
     std::string image;             //!< path of the picture; empty: none
     CutoutSettings cutout;
-    std::optional<std::string> background;  //!< `transparent`, `keep`, `#rrggbb[aa]`; none: transparent
+    std::optional<std::string> background;  //!< `background_from_name`; none: transparent
     BackFaces back_faces = BackFaces::hide;
     MeshSettings mesh;
     Rig rig;

@@ -21,10 +21,10 @@ constexpr const char* schema_text = R"schema({
     "image": { "description": "Path of the picture. Needed where a picture is needed.", "type": "string" },
     "cutout": { "$ref": "#/$defs/cutout" },
     "background": {
-      "description": "What stands behind the subject: nothing, the picture, or a colour #rrggbb, #rrggbbaa.",
+      "description": "What stands behind the subject: nothing, the picture, that filled where the subject was, or a colour #rrggbb, #rrggbbaa.",
       "type": "string",
       "anyOf": [
-        { "enum": ["transparent", "keep"] },
+        { "enum": ["transparent", "keep", "inpaint"] },
         { "maxLength": 9, "pattern": "^#[0-9a-fA-F]{6}([0-9a-fA-F]{2})?$" }
       ],
       "default": "transparent"

@@ -76,8 +76,8 @@ Rendered render_through(const std::filesystem::path& picture, const std::filesys
     const Image warped =
         warp_through(image, stored.map,
                      {options.interpolation, scales.map.x(), scales.map.y(), report.canvas, options.linear}, progress);
-    rendered.image = finished_picture(warped, image, !image.has_alpha(), background_from_name(background), drawing,
-                                      report, progress);
+    rendered.image = finished_picture(warped, image, cut_out(image), background_from_name(background), drawing, report,
+                                      progress);
     timer.end("warp");
     return rendered;
 }

@@ -1,6 +1,7 @@
 #include <puppetwarp/project/result_picture.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/cutout/fill_behind.h>
 #include <puppetwarp/image/write.h>
 
 #include <cmath>
@@ -38,21 +39,25 @@ void require_result_size(const Canvas& canvas, std::int64_t max_pixels) {
     }
 }
 
-Image finished_picture(const Image& warped, const Image& original, bool whole, Background background,
-                       const RenderOptions& options, RenderReport& report, Progress& progress) {
-    const auto laid_over = [&] {
-        const bool shows_original = background.kind == Background::Kind::keep && warped.has_alpha();
-        return lay_over(background, warped, shows_original ? at_scale(original, options, progress) : original,
+Image finished_picture(const Image& warped, const Image& original, const Cutout& cutout,
+                       const Background& background, const RenderOptions& options, RenderReport& report,
+                       Progress& progress) {
+    const auto laid_over = [&](const Background& behind, const Image& front) {
+        using Kind = Background::Kind;
+        if (behind.kind == Kind::inpaint) {
+            const Image filled = at_scale(fill_behind(original, cutout, progress), options, progress);
+            return lay_over(behind, front, filled, report.canvas, options.linear);
+        }
+        const bool shows_original = behind.kind == Kind::keep && front.has_alpha();
+        return lay_over(behind, front, shows_original ? at_scale(original, options, progress) : original,
                         report.canvas, options.linear);
     };
-    Image result = laid_over();
+    Image result = laid_over(background, warped);
     if (options.format.empty()) return result;
 
     report.lost = lost_in_format(result, options.format);
     if (result.has_alpha() && !format_holds_alpha(options.format)) {
-        background.kind = whole ? Background::Kind::keep : Background::Kind::colour;
-        background.rgba = {1, 1, 1, 1};
-        result = laid_over();
+        result = laid_over({cutout.whole ? Background::Kind::keep : Background::Kind::colour, {1, 1, 1, 1}}, result);
     }
     return result;
 }

@@ -14,11 +14,12 @@ void require_scale(double scale);
 void require_result_size(const Canvas& canvas, std::int64_t max_pixels);
 
 //! A warped picture as the puppet and the file format want it: laid over its background, and over another one where the
-//! format has no alpha.
+//! format has no alpha and that background leaves something open.
 //! \param original  the picture before the warp; `options.scale` is what `warped` shows of it.
-//! \param whole     nothing of it was cut out.
+//! \param cutout    what of it was drawn.
 //! \param report    its canvas is `warped`'s; `lost` is filled.
-Image finished_picture(const Image& warped, const Image& original, bool whole, Background background,
-                       const RenderOptions& options, RenderReport& report, Progress& progress);
+Image finished_picture(const Image& warped, const Image& original, const Cutout& cutout,
+                       const Background& background, const RenderOptions& options, RenderReport& report,
+                       Progress& progress);
 
 }  // namespace puppetwarp

@@ -77,7 +77,7 @@ public:
     //! \param light  for linear light, or null.
     Layers(const Background& background, const Image& warped, const Image& original, const Canvas& canvas,
            const detail::LightTables* light)
-        : kept_(background.kind == Background::Kind::keep),
+        : kept_(background.kind == Background::Kind::keep || background.kind == Background::Kind::inpaint),
           warped_(warped.pixels),
           original_(original.pixels),
           canvas_(canvas),
@@ -194,6 +194,7 @@ cv::Mat laid_over(const Background& background, const Image& warped, const Image
 Background background_from_name(std::string_view name) {
     if (name == "transparent") return {};
     if (name == "keep") return {Background::Kind::keep, {}};
+    if (name == "inpaint") return {Background::Kind::inpaint, {}};
     std::vector<int> digits;
     if (!name.empty() && name[0] == '#') {
         for (char c : name.substr(1)) digits.push_back(hex_digit(c));
@@ -202,7 +203,7 @@ Background background_from_name(std::string_view name) {
                            std::all_of(digits.begin(), digits.end(), [](int digit) { return digit >= 0; });
     if (!is_colour) {
         throw InvalidInput("background '" + std::string(name) + "'", "unknown",
-                           "choose transparent, keep, #rrggbb or #rrggbbaa");
+                           "choose transparent, keep, inpaint, #rrggbb or #rrggbbaa");
     }
     Background background{Background::Kind::colour, {1, 1, 1, 1}};
     for (std::size_t k = 0; k + 1 < digits.size(); k += 2) {

@@ -10,15 +10,21 @@ namespace puppetwarp {
 
 //! What stands behind a warped subject.
 struct Background {
-    enum class Kind { transparent, colour, keep } kind = Kind::transparent;
+    enum class Kind {
+        transparent,
+        colour,
+        keep,    //!< the picture as it was
+        inpaint  //!< the picture, filled from around where its subject was: `fill_behind`
+    } kind = Kind::transparent;
     std::array<double, 4> rgba{1, 1, 1, 1};  //!< for `colour`: in [0, 1], straight alpha, in the picture's own space
 };
 
-//! `transparent`, `keep`, `#rrggbb` or `#rrggbbaa`. \throw InvalidInput  anything else.
+//! `transparent`, `keep`, `inpaint`, `#rrggbb` or `#rrggbbaa`. \throw InvalidInput  anything else.
 Background background_from_name(std::string_view name);
 
 //! Lays a warped picture over a background.
-//! \param original  the picture before the warp, for `keep`: shown where the canvas meets it.
+//! \param original  the picture before the warp; shown where the canvas meets it for `keep`, and for `inpaint`, when it
+//!                  is to be the filled one.
 //! \param canvas    which part of image space `warped` shows.
 //! \param linear    whether colours are blended in linear light, as `WarpOptions::linear`.
 //! Grey pictures stay grey: a colour is laid down as its luma.

@@ -140,6 +140,55 @@ TEST_F(Pipeline, DepthsDecideWhatIsInFront) {
     EXPECT_EQ(render(puppet, pose, {}, progress).depth.minCoeff(), -2);
 }
 
+// A red square on stripes, cut out by a polygon and moved: stripes are behind it.
+TEST_F(Pipeline, InpaintFillsWhereTheSubjectWas) {
+    Image image;
+    image.pixels = cv::Mat(160, 200, CV_8UC3, cv::Scalar(40, 90, 60));
+    for (int x = 0; x < 200; x += 20) image.pixels.colRange(x, x + 10).setTo(cv::Scalar(90, 160, 190));
+    const cv::Mat empty = image.pixels.clone();
+    image.pixels(cv::Rect(80, 60, 40, 40)).setTo(cv::Scalar(255, 0, 0));
+    Puppet puppet = puppet_of(image);
+    puppet.cutout.from = "polygon";
+    puppet.cutout.points = {{80, 60}, {120, 60}, {120, 100}, {80, 100}};
+    puppet.rig.handles = {{"a", PointHandle{{100, 80}, {}}}};
+    puppet.background = "inpaint";
+    Pose pose;
+    pose.handles["a"].to = Point(100, 130);
+    pose.handles["a"].rotate_rad = 0;
+    const Image drawn = render(puppet, pose, {}, progress).image;
+    ASSERT_EQ(drawn.pixels.type(), CV_8UC3);
+    EXPECT_EQ(drawn.pixels.at<cv::Vec3b>(130, 100), cv::Vec3b(255, 0, 0));
+    const cv::Rect behind(70, 50, 60, 58);
+    EXPECT_LT(cv::norm(drawn.pixels(behind), empty(behind), cv::NORM_L1) / (3.0 * behind.area()), 20);
+
+    puppet.cutout = {};
+    try {
+        render(puppet, pose, {}, progress);
+        FAIL();
+    } catch (const InvalidInput& error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("whole picture"));
+    }
+}
+
+// What neither the warp nor the background covers is white in a format without alpha, and only that.
+TEST_F(Pipeline, BackgroundsStayInFormatsWithoutAlpha) {
+    Image image;
+    image.pixels = cv::Mat(100, 100, CV_8UC3, cv::Scalar(40, 90, 60));
+    Puppet puppet = puppet_of(image);
+    puppet.cutout.from = "polygon";
+    puppet.cutout.points = {{30, 30}, {60, 30}, {60, 60}, {30, 60}};
+    puppet.rig.handles = {{"a", PointHandle{{45, 45}, {}}}};
+    RenderOptions jpeg;
+    jpeg.format = "jpeg";
+    jpeg.canvas = {CanvasChoice::Kind::given, {-10, 0, 110, 100}};
+    for (const char* background : {"keep", "inpaint"}) {
+        puppet.background = background;
+        const Image drawn = render(puppet, Pose(), jpeg, progress).image;
+        EXPECT_EQ(drawn.pixels.at<cv::Vec3b>(50, 5), cv::Vec3b(255, 255, 255)) << background;
+        EXPECT_EQ(drawn.pixels.at<cv::Vec3b>(80, 80), cv::Vec3b(40, 90, 60)) << background;
+    }
+}
+
 TEST_F(Pipeline, BackFacesShowOnDemand) {
     Puppet puppet = puppet_of(square(0));
     puppet.rig.handles = {{"all", RegionHandle{{{0, 0}, {140, 0}, {140, 140}, {0, 140}}, Falloff::none}}};

@@ -115,7 +115,7 @@ TEST(PuppetSchema, HasTheKeysOfTheReader) {
 // Values that are right somewhere and wrong elsewhere, and both ends of every range.
 std::vector<Json> odd_values() {
     return Json::parse(R"([null, true, "", "x", "rest", "auto", "mask", "polygon", "point", "bone", "cage", "region",
-        "vertex", "fixed", "arap", "spokes", "bbw", "coupled", "harmonic", "transparent", "hide", "#12345g", "#123456",
+        "vertex", "fixed", "arap", "spokes", "bbw", "coupled", "harmonic", "transparent", "inpaint", "hide", "#12345g", "#123456",
         "#1234567", "#123456789", " keep", -1, 0, 1e-7, 1e-6, 0.5, 1, 1.0, 2, 30, 30.5, 360000, 360001, -360000,
         -360001, 1e6, 1000001, 2147483647, 2147483648, -3e9, 1e300, [], [1], [1, 2], [1, "x"], [1, 2, 3], [[1, 2]],
         [[1, 2], [3, 4]], [[1, 2], [3, 4], [5, 0]], [[1, 2], [3, 4], [5]], [[1, 2], [3, 4], 5],

@@ -11,6 +11,7 @@ namespace {
 TEST(Background, NamesAreRead) {
     EXPECT_EQ(background_from_name("transparent").kind, Background::Kind::transparent);
     EXPECT_EQ(background_from_name("keep").kind, Background::Kind::keep);
+    EXPECT_EQ(background_from_name("inpaint").kind, Background::Kind::inpaint);
     const Background colour = background_from_name("#Ff8000");
     EXPECT_EQ(colour.kind, Background::Kind::colour);
     EXPECT_EQ(colour.rgba, (std::array<double, 4>{1, 128 / 255.0, 0, 1}));

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <puppetwarp/base/image.h>
+#include <puppetwarp/base/progress.h>
+#include <puppetwarp/cutout/cutout.h>
+
+namespace puppetwarp {
+
+//! The picture without its subject: what was cut out, and a little more because subjects blur into what is behind them,
+//! is filled from around. Other pixels stay as they are, to the bit.
+//!
+//! The filling goes on with what ends at the border, and is smooth where nothing around would fit.
+//! Alpha is filled like a colour. The same bytes for any number of threads.
+//! \param progress  hears of the stage `background`; may cancel.
+//! \throw InvalidInput  the cutout is the whole picture, or nothing around it is visible.
+//! Wexler et al. 2007; Barnes et al. 2009; Gortler et al. 1996 (see `PatchField`, `membrane`).
+Image fill_behind(const Image& image, const Cutout& cutout, Progress& progress);
+
+}  // namespace puppetwarp

@@ -21,7 +21,7 @@ constexpr const char* schema_text = R"schema({
     "image": { "description": "Path of the picture. Needed where a picture is needed.", "type": "string" },
     "cutout": { "$ref": "#/$defs/cutout" },
     "background": {
-      "description": "What stands behind the subject: nothing, the picture, that filled where the subject was, or a colour #rrggbb, #rrggbbaa.",
+      "description": "Behind the subject: nothing, the picture, it filled where the subject was, #rrggbb or #rrggbbaa.",
       "type": "string",
       "anyOf": [
         { "enum": ["transparent", "keep", "inpaint"] },

@@ -22,13 +22,15 @@ struct Found {
     std::optional<Point> place;
 };
 
-Found place_in(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, Eigen::Index f, const Point& p) {
+Found place_in(const TriangleMesh& rest, const Eigen::MatrixX2d& moved, Eigen::Index f, const Point& p,
+               BackFaces back_faces = BackFaces::hide) {
     Eigen::Matrix2d to, from;
     for (int k = 0; k < 2; ++k) {
         to.col(k) = moved.row(rest.F(f, k + 1)) - moved.row(rest.F(f, 0));
         from.col(k) = rest.V.row(rest.F(f, k + 1)) - rest.V.row(rest.F(f, 0));
     }
-    if (to.determinant() * from.determinant() <= 0) return {};
+    const double orientation = to.determinant() * from.determinant();
+    if (orientation == 0 || (orientation < 0 && back_faces == BackFaces::hide)) return {};
     const Eigen::Vector2d w = to.inverse() * (p - moved.row(rest.F(f, 0)).transpose());
     const double least = std::min({w.x(), w.y(), 1 - w.x() - w.y()});
     Found found;
@@ -89,6 +91,52 @@ TEST_P(MapOfWarp, HoldsThePlaceOfTheFrontmostTriangle) {
         }
         ASSERT_GT(shown, 500);
         ASSERT_GT(empty, 100);
+    }
+}
+
+// Sheets folded over themselves and each other, whose depths have nothing to do with their numbering.
+TEST(Displacement, IsOfTheTriangleThatDepthsAndBackFacesBringToTheFront) {
+    Random random(36);
+    for (int round = 0; round < 12; ++round) {
+        const Image image = random_image(40, 30, CV_8UC3, random);
+        const TriangleMesh rest = two_sheets(grid_mesh(-1, -1, 41, 31, 4, 3, random));
+        const Eigen::MatrixX2d moved = jittered(rest.V, 9, random);
+        WarpOptions options;
+        options.canvas = {-12, -10, 64, 50};
+        options.back_faces = round % 2 == 0 ? BackFaces::show : BackFaces::hide;
+        options.depth.resize(rest.V.rows());
+        for (double& depth : options.depth) depth = uniform(random, -1, 1);
+        const DisplacementMap map = displacement_map(image, rest, moved, options);
+        int compared = 0, not_the_last = 0;
+        for (int y = 0; y < options.canvas.height; ++y) {
+            for (int x = 0; x < options.canvas.width; ++x) {
+                bool ambiguous = false;
+                std::optional<Point> front, last;
+                double nearest = 0;
+                for (Eigen::Index f = 0; f < rest.F.rows(); ++f) {
+                    const Point centre(options.canvas.x + x + 0.5, options.canvas.y + y + 0.5);
+                    const Found found = place_in(rest, moved, f, centre, options.back_faces);
+                    ambiguous |= found.ambiguous;
+                    if (!found.place) continue;
+                    const double depth =
+                        options.depth(rest.F(f, 0)) + options.depth(rest.F(f, 1)) + options.depth(rest.F(f, 2));
+                    if (!front || depth > nearest) {
+                        front = found.place;
+                        nearest = depth;
+                    }
+                    last = found.place;
+                }
+                if (ambiguous) continue;
+                const auto place = place_of(map, x, y);
+                ASSERT_EQ(place.has_value(), front.has_value()) << x << ", " << y;
+                if (!place) continue;
+                ASSERT_LT((*place - *front).norm(), 1e-4) << x << ", " << y;
+                ++compared;
+                not_the_last += (*front - *last).norm() > 1 ? 1 : 0;
+            }
+        }
+        ASSERT_GT(compared, 1000);
+        ASSERT_GT(not_the_last, 100);
     }
 }
 

@@ -18,12 +18,22 @@ namespace puppetwarp::ui {
 
 namespace {
 
+// A background that is none is as good as none until the export says what is wrong with it.
+Background background_of(const Puppet& puppet) {
+    try {
+        return background_from_name(puppet.background.value_or("transparent"));
+    } catch (const Error&) {
+        return {};
+    }
+}
+
 // The parts of a puppet that a stage depends on, as text: two equal texts ask for the same.
 std::string subject_key(const Puppet& puppet) {
     Puppet part;
     part.image = resolve(puppet, puppet.image).string();
     part.cutout = puppet.cutout;
     if (!part.cutout.path.empty()) part.cutout.path = resolve(puppet, puppet.cutout.path).string();
+    part.background = background_of(puppet).kind == Background::Kind::keep ? "keep" : "transparent";
     return to_json(part);
 }
 
@@ -86,7 +96,7 @@ std::shared_ptr<const Shape> ShapeMaker::make(const ShapeRequest& request, Progr
         shape->moved = mesh_->V;
         deform(request, *shape, progress);
         shape->order = order(request);
-        if (request.puppet->background == "inpaint") fill_subject(progress);
+        if (background_of(*request.puppet).kind == Background::Kind::inpaint) fill_subject(progress);
         shape->subject = subject_;
     } catch (const Error& error) {
         shape->error = error.what();
@@ -106,7 +116,7 @@ void ShapeMaker::update_subject(const Puppet& puppet, Progress& progress) {
     subject->image = load_image(puppet);
     progress.step("cutout", 0);
     subject->cutout = cut_out_subject(puppet, subject->image);
-    const Image visible = apply_cutout(subject->image, subject->cutout);
+    const Image visible = cut_subject(subject->image, subject->cutout, background_of(puppet));
     subject->shown_subject = shown_picture(visible, longest_side_px_);
     const bool same = visible.pixels.data == subject->image.pixels.data;
     subject->shown_picture = same ? subject->shown_subject : shown_picture(subject->image, longest_side_px_);

@@ -214,7 +214,7 @@ MethodSheet compare_methods(const Puppet& puppet, const Pose& pose, const Method
     require_size(layout.size(), options.read.max_pixels);
     sheet.columns = layout.columns();
     sheet.rows = layout.rows();
-    sheet.image.pixels = draw_sheet(sheet, puppet, pose, apply_cutout(image, cutout), layout, options, progress);
+    sheet.image.pixels = draw_sheet(sheet, puppet, pose, cut_subject(image, cutout, {}), layout, options, progress);
     if (profile_fits(image.metadata.icc, 3)) sheet.image.metadata.icc = image.metadata.icc;
     timer.end("draw");
     return sheet;

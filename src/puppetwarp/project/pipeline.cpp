@@ -1,6 +1,7 @@
 #include <puppetwarp/project/pipeline.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/cutout/edge_colours.h>
 #include <puppetwarp/mesh/triangulate.h>
 #include <puppetwarp/project/result_picture.h>
 #include <puppetwarp/project/source_picture.h>
@@ -11,7 +12,6 @@
 #include <puppetwarp/rig/depth.h>
 #include <puppetwarp/rig/inverse_kinematics.h>
 #include <puppetwarp/rig/snap.h>
-#include <puppetwarp/warp/background.h>
 
 #include <algorithm>
 #include <cmath>
@@ -196,6 +196,11 @@ TriangleMesh mesh_for_weights(const Puppet& puppet, const Outline& outline) {
     return triangulate(outline, mesh_constraints(puppet.rig, true), triangulation_options(puppet, outline));
 }
 
+Image cut_subject(const Image& image, const Cutout& cutout, const Background& background) {
+    const bool kept = background.kind == Background::Kind::keep;
+    return kept ? apply_cutout(image, cutout) : apply_clean_cutout(image, cutout);
+}
+
 Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
                    const Eigen::MatrixX2d& moved, const Eigen::VectorXd& depth, const RenderOptions& options,
                    RenderReport& report, Progress& progress) {
@@ -205,8 +210,8 @@ Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutou
     require_result_size(report.canvas, options.read.max_pixels);
     const WarpOptions how{options.interpolation, report.canvas, options.linear, choose_frame(options, image, shown),
                           puppet.back_faces,     depth};
-    const Image warped = warp(apply_cutout(image, cutout), mesh, shown, how, progress);
     const Background background = background_from_name(puppet.background.value_or("transparent"));
+    const Image warped = warp(cut_subject(image, cutout, background), mesh, shown, how, progress);
     return finished_picture(warped, image, cutout, background, options, report, progress);
 }
 

@@ -9,6 +9,7 @@
 #include <puppetwarp/mesh/outline.h>
 #include <puppetwarp/mesh/triangle_mesh.h>
 #include <puppetwarp/project/puppet.h>
+#include <puppetwarp/warp/background.h>
 #include <puppetwarp/warp/warp.h>
 
 #include <filesystem>
@@ -124,6 +125,10 @@ Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& opt
 //! \throw InvalidInput  as those functions; a map made for a picture of another shape; a canvas over the limit.
 Rendered render_through(const std::filesystem::path& picture, const std::filesystem::path& map,
                         const std::string& background, const RenderOptions& options, Progress& progress);
+
+//! The subject alone, as it is warped: `apply_clean_cutout`, but `apply_cutout` for the background `keep`, which shows
+//! what was behind: there the rest pose is the picture again.
+Image cut_subject(const Image& image, const Cutout& cutout, const Background& background);
 
 //! The last arrows alone, for positions that are known already: warp, then background, then what `options.format` asks
 //! for. Fills `canvas`, `scale` and `lost` of the report. Mesh, positions and a given canvas are in pixels of `image`.

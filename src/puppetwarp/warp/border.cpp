@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <tuple>
 
 namespace puppetwarp::detail {
@@ -138,6 +140,11 @@ private:
     std::size_t count_ = 0;
 };
 
+// A bit for each place of a grid over a pixel.
+using SampledPlaces = std::uint64_t;
+constexpr int places_along = 8;
+constexpr SampledPlaces all_places = ~SampledPlaces{0};
+
 // An edge in a pixel.
 struct Crossing {
     int row, x;
@@ -196,65 +203,101 @@ private:
         }
     }
 
-    // Whether two triangles are of one part of the mesh: they share a corner, and no fold is between them.
-    bool touch(int one, int other) const {
-        if (mesh_.flipped(one) != mesh_.flipped(other)) return false;
-        for (int i = 0; i < 3; ++i) {
-            for (int j = 0; j < 3; ++j) {
-                if (faces_(one, i) == faces_(other, j)) return true;
-            }
-        }
-        return false;
-    }
+    // A triangle and how much of a pixel it covers.
+    struct Piece {
+        int triangle;
+        double area;
+    };
 
-    // Parts of the mesh that do not touch each other here lie over each other, or side by side.
+    // What hangs together in a pixel, and covers a part of it.
+    struct Part {
+        std::vector<Piece> pieces;
+        std::vector<BorderPixel> entries;
+    };
+
+    // Pieces of a pixel that do not hang together in it lie over each other, or side by side.
     void add_pixels(std::span<const Crossing> crossings, std::vector<BorderPixel>& pixels) const {
+        const int row = crossings.front().row, x = crossings.front().x;
         std::vector<int> left;
         for (const Crossing& crossing : crossings) {
             left.push_back(edges_[static_cast<std::size_t>(crossing.edge)].triangle);
         }
+        std::vector<Part> parts;
         while (!left.empty()) {
-            std::vector<int> part{left.back()};
-            left.pop_back();
-            for (std::size_t i = 0; i < part.size(); ++i) {
-                const auto apart = std::partition(left.begin(), left.end(), [&](int t) { return !touch(part[i], t); });
-                part.insert(part.end(), apart, left.end());
-                left.erase(apart, left.end());
+            Part part{pieces_from(left.back(), shown_of(row, x)), {}};
+            std::erase_if(left, [&](int triangle) { return holds(part.pieces, triangle); });
+            const bool at_fold = std::any_of(crossings.begin(), crossings.end(), [&](const Crossing& crossing) {
+                const BorderEdge& edge = edges_[static_cast<std::size_t>(crossing.edge)];
+                return edge.fold && holds(part.pieces, edge.triangle);
+            });
+            part.entries = entries_of(row, x, part.pieces, at_fold);
+            if (!part.entries.empty()) parts.push_back(std::move(part));
+        }
+        if (parts.size() > 1) share_out(parts, shown_of(row, x));
+        for (const Part& part : parts) pixels.insert(pixels.end(), part.entries.begin(), part.entries.end());
+    }
+
+    // Of parts over each other only what shows counts, so that together they leave as much open as there is: what the
+    // nearer ones leave is covered by the farther ones to the share of it in which these lie.
+    void share_out(std::vector<Part>& parts, const Rectangle& shown) const {
+        std::sort(parts.begin(), parts.end(),
+                  [](const Part& a, const Part& b) { return a.entries.front().triangle > b.entries.front().triangle; });
+        SampledPlaces open = all_places;
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            SampledPlaces covered = 0;
+            for (const Piece& piece : parts[i].pieces) covered |= places_in(piece.triangle, shown);
+            if (i > 0) {
+                const int left = std::popcount(open), filled = std::popcount(open & covered);
+                const float coverage = left > 0 ? static_cast<float>(filled) / static_cast<float>(left) : 1.0F;
+                for (BorderPixel& entry : parts[i].entries) entry.coverage = coverage;
             }
-            add_part(crossings.front().row, crossings.front().x, part, pixels);
+            open &= ~covered;
         }
     }
 
-    void add_part(int row, int x, const std::vector<int>& part, std::vector<BorderPixel>& pixels) const {
-        std::vector<int> around;
-        for (const int triangle : part) {
+    static bool holds(const std::vector<Piece>& part, int triangle) {
+        return std::any_of(part.begin(), part.end(), [&](const Piece& piece) { return piece.triangle == triangle; });
+    }
+
+    // The triangles from one of them on that share edges, lie in the pixel, and have no fold between them.
+    std::vector<Piece> pieces_from(int first, const Rectangle& shown) const {
+        std::vector<Piece> part{{first, covered_area(first, shown)}};
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            const int triangle = part[i].triangle;
             for (int k = 0; k < 3; ++k) {
-                const std::span<const int> here = corners_.at(faces_(triangle, k));
-                around.insert(around.end(), here.begin(), here.end());
+                for (const int other : corners_.at(faces_(triangle, k))) {
+                    if (mesh_.flipped(other) != mesh_.flipped(first) ||
+                        !has_corner(other, faces_(triangle, (k + 1) % 3)))
+                        continue;
+                    const double area = covered_area(other, shown);
+                    if (area > 0 && !holds(part, other)) part.push_back({other, area});
+                }
             }
         }
-        std::sort(around.begin(), around.end());
-        around.erase(std::unique(around.begin(), around.end()), around.end());
-        const Rectangle shown = shown_of(row, x);
-        double covered = 0, most = 0;
-        int largest = -1;
-        for (const int triangle : around) {
-            if (mesh_.flipped(triangle) != mesh_.flipped(part.front())) continue;
-            const double area = covered_area(triangle, shown) / shown.area();
-            covered += area;
-            if (area > most) {
-                most = area;
-                largest = triangle;
-            }
+        return part;
+    }
+
+    bool has_corner(int triangle, int vertex) const {
+        return faces_(triangle, 0) == vertex || faces_(triangle, 1) == vertex || faces_(triangle, 2) == vertex;
+    }
+
+    // None where the part covers all, or next to nothing.
+    std::vector<BorderPixel> entries_of(int row, int x, const std::vector<Piece>& part, bool at_fold) const {
+        const double whole = shown_of(row, x).area();
+        double covered = 0;
+        Piece largest = part.front();
+        for (const Piece& piece : part) {
+            covered += piece.area / whole;
+            if (piece.area > largest.area) largest = piece;
         }
-        if (covered < whole_tolerance || covered > 1 - whole_tolerance) return;
-        bool held = false;
-        for (const int triangle : around) {
-            if (mesh_.flipped(triangle) != mesh_.flipped(part.front()) || !holds_centre(triangle, row, x)) continue;
-            held = true;
-            pixels.push_back({triangle, row, x, static_cast<float>(covered), true});
+        std::vector<BorderPixel> entries;
+        if (covered < whole_tolerance || covered > 1 - whole_tolerance) return entries;
+        for (const Piece& piece : part) {
+            if (!holds_centre(piece.triangle, row, x)) continue;
+            entries.push_back({piece.triangle, row, x, static_cast<float>(covered), true, at_fold});
         }
-        if (!held) pixels.push_back({largest, row, x, static_cast<float>(covered), false});
+        if (entries.empty()) entries.push_back({largest.triangle, row, x, static_cast<float>(covered), false, at_fold});
+        return entries;
     }
 
     // The part of a pixel that the frame holds; all of it when it holds none.
@@ -263,6 +306,25 @@ private:
         const Rectangle shown{std::max(pixel.left, frame_.left), std::max(pixel.top, frame_.top),
                               std::min(pixel.right, frame_.right), std::min(pixel.bottom, frame_.bottom)};
         return shown.area() > whole_tolerance ? shown : pixel;
+    }
+
+    // Which places of a grid over the rectangle a triangle covers. On its edges they belong to both sides.
+    SampledPlaces places_in(int triangle, const Rectangle& shown) const {
+        std::array<Point2, 3> c;
+        for (int k = 0; k < 3; ++k) c[static_cast<std::size_t>(k)] = in_pixels(mesh_.corner(triangle, k));
+        const auto side = [](Point2 a, Point2 b, Point2 p) {
+            return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
+        };
+        const double sign = side(c[0], c[1], c[2]) < 0 ? -1 : 1;
+        SampledPlaces places = 0;
+        for (int i = 0; i < places_along * places_along; ++i) {
+            const Point2 p{shown.left + (shown.right - shown.left) * (i % places_along + 0.5) / places_along,
+                           shown.top + (shown.bottom - shown.top) * (i / places_along + 0.5) / places_along};
+            bool inside = true;
+            for (std::size_t k = 0; k < 3; ++k) inside &= sign * side(c[k], c[(k + 1) % 3], p) >= -1e-6;
+            if (inside) places |= SampledPlaces{1} << i;
+        }
+        return places;
     }
 
     double covered_area(int triangle, const Rectangle& shown) const {
@@ -296,14 +358,13 @@ std::vector<BorderEdge> border_edges(const Eigen::MatrixX3i& faces, const Snappe
     // Edges by their lower vertex: the few of one vertex are compared with each other.
     struct Edge {
         int upper, triangle, k;
-        bool flipped;
+        bool drawn, flipped;
     };
     const auto for_each_edge = [&](const auto& body) {
         for (int triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
-            if (!mesh.drawn(triangle)) continue;
             for (int k = 0; k < 3; ++k) {
                 const int i = faces(triangle, k), j = faces(triangle, (k + 1) % 3);
-                body(std::min(i, j), Edge{std::max(i, j), triangle, k, mesh.flipped(triangle)});
+                body(std::min(i, j), Edge{std::max(i, j), triangle, k, mesh.drawn(triangle), mesh.flipped(triangle)});
             }
         }
     };
@@ -320,12 +381,15 @@ std::vector<BorderEdge> border_edges(const Eigen::MatrixX3i& faces, const Snappe
     for (std::size_t vertex = 0; vertex + 1 < starts.size(); ++vertex) {
         const std::span<const Edge> here{sorted.data() + starts[vertex], sorted.data() + starts[vertex + 1]};
         for (const Edge& edge : here) {
+            if (!edge.drawn) continue;
+            const auto shares = [&](const Edge& other) { return other.upper == edge.upper; };
             const auto same = [&](const Edge& other) {
-                return other.upper == edge.upper && other.flipped == edge.flipped;
+                return shares(other) && other.drawn && other.flipped == edge.flipped;
             };
             if (std::count_if(here.begin(), here.end(), same) != 1) continue;
+            const bool fold = std::count_if(here.begin(), here.end(), shares) > 1;
             const SnappedPoint a = mesh.corner(edge.triangle, edge.k), b = mesh.corner(edge.triangle, (edge.k + 1) % 3);
-            if (crosses_canvas(a, b, mesh.canvas())) edges.push_back({edge.triangle, a, b});
+            if (crosses_canvas(a, b, mesh.canvas())) edges.push_back({edge.triangle, a, b, fold});
         }
     }
     drop_cuts(mesh, edges);

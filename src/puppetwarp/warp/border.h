@@ -11,6 +11,7 @@ namespace puppetwarp::detail {
 struct BorderEdge {
     int triangle;
     SnappedPoint a, b;
+    bool fold;  //!< the mesh goes on behind it, in a triangle that is flipped
 };
 
 //! Edges of a moved mesh that pass through the canvas and have one drawn triangle, or one that is flipped and one that
@@ -24,13 +25,15 @@ struct BorderPixel {
     int row, x;
     float coverage;  //!< in (0, 1)
     bool holds_centre;
+    bool at_fold;  //!< a fold is what crosses it
 };
 
 //! Pixels that the border of a mesh crosses, in the order of triangles, rows and columns.
 //!
-//! Coverage is the area of the pixel within the triangles around its border edges: those that share a corner with such
-//! an edge's triangle, and are flipped if it is. So edges that two triangles share do not count, and what lies over or
-//! under that part of the mesh does not either. A pixel has an entry for each such part.
+//! Coverage is the area of the pixel within a part of the mesh: the triangles that can be reached from a border edge's
+//! over edges that two of them share, without leaving the pixel or passing a fold. So what lies over or under that part
+//! does not count. A pixel has an entry for each such part; that of a part under others is its share of what these
+//! leave open.
 class BorderPixels {
 public:
     BorderPixels() = default;

@@ -220,12 +220,12 @@ void Painter::add_triangle(int triangle, Plan& plan) const {
     plan.parts.push_back(part);
     plan.steps.push_back(part.map.steps());
     plan.steps.back().ahead = bytes_ahead(part.map);
-    // What is copied stays as it is, up to the last pixel.
-    const std::span<const BorderPixel> border =
-        part.map.is_copy() ? std::span<const BorderPixel>() : border_.of(triangle);
+    const std::span<const BorderPixel> border = border_.of(triangle);
+    // What is copied stays as it is, up to the last pixel, but for folds.
+    const auto stays = [&](const BorderPixel& pixel) { return part.map.is_copy() && !pixel.at_fold; };
     mesh_.for_each_span_of(triangle, plan.band, [&](int row, int first, int last) {
         for (const BorderPixel& pixel : border) {
-            if (pixel.row != row || !pixel.holds_centre) continue;
+            if (pixel.row != row || !pixel.holds_centre || stays(pixel)) continue;
             add_span(part, row, first, pixel.x, plan);
             add_border(pixel, plan);
             first = pixel.x + 1;
@@ -234,7 +234,7 @@ void Painter::add_triangle(int triangle, Plan& plan) const {
     });
     for (const BorderPixel& pixel : border) {
         const bool in_band = pixel.row >= plan.band.first && pixel.row < plan.band.last;
-        if (!pixel.holds_centre && in_band) add_border(pixel, plan);
+        if (!pixel.holds_centre && in_band && !stays(pixel)) add_border(pixel, plan);
     }
 }
 

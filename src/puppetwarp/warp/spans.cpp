@@ -32,11 +32,13 @@ SnappedMesh::SnappedMesh(const TriangleMesh& rest, const Eigen::MatrixX2d& moved
         rows_.push_back(rows_of(triangle));
     }
     block_rows_.resize((rows_.size() + block_triangles - 1) / block_triangles);
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-        if (rows_[i].first >= rows_[i].last) continue;
-        RowRange& block = block_rows_[i / block_triangles];
-        const bool none = block.first >= block.last;
-        block = none ? rows_[i] : RowRange{std::min(block.first, rows_[i].first), std::max(block.last, rows_[i].last)};
+    for (std::size_t first = 0; first < rows_.size(); first += block_triangles) {
+        RowRange block{canvas.height + 1, -1};  // meets no band
+        for (std::size_t i = first; i < std::min(first + block_triangles, rows_.size()); ++i) {
+            if (shows_[i] == Shows::nothing) continue;
+            block = {std::min(block.first, rows_[i].first), std::max(block.last, rows_[i].last)};
+        }
+        block_rows_[first / block_triangles] = block;
     }
 }
 

@@ -158,15 +158,16 @@ public:
         for_each_span(corner(triangle, 0), corner(triangle, 1), corner(triangle, 2), both, canvas_.width, body);
     }
 
-    //! `body(triangle)` in the order of the triangles, for those that may have pixels in `band`.
+    //! `body(triangle)` in the order of the triangles, for those that may have pixels in `band`, or parts of pixels.
     template <class Body>
     void for_each_triangle_in(RowRange band, const Body& body) const {
-        const auto meets = [&](RowRange rows) { return rows.first < band.last && band.first < rows.last; };
+        // A triangle reaches at most a row beyond those whose centres it may hold.
+        const auto meets = [&](RowRange rows) { return rows.first <= band.last && band.first <= rows.last; };
         for (int block = 0; block * block_triangles < triangle_count(); ++block) {
             if (!meets(block_rows_[static_cast<std::size_t>(block)])) continue;
             const int last = std::min((block + 1) * block_triangles, triangle_count());
             for (int triangle = block * block_triangles; triangle < last; ++triangle) {
-                if (meets(rows(triangle))) body(triangle);
+                if (drawn(triangle) && meets(rows(triangle))) body(triangle);
             }
         }
     }

@@ -48,6 +48,20 @@ void paint_all(const detail::Painter& painter, const Canvas& canvas, Progress& p
     progress.step("warp", 1);
 }
 
+// Takes alpha away when it is full everywhere.
+void drop_full_alpha(cv::Mat& pixels) {
+    const int colours = pixels.channels() - 1;
+    cv::Mat alpha;
+    cv::extractChannel(pixels, alpha, colours);
+    const double full = pixels.depth() == CV_8U ? 255 : pixels.depth() == CV_16U ? 65535 : 1;
+    if (cv::countNonZero(alpha != full) > 0) return;
+    alpha.release();
+    cv::Mat opaque(pixels.size(), CV_MAKETYPE(pixels.depth(), colours));
+    constexpr std::array same{0, 0, 1, 1, 2, 2};
+    cv::mixChannels(&pixels, 1, &opaque, 1, same.data(), static_cast<std::size_t>(colours));
+    pixels = opaque;
+}
+
 }  // namespace
 
 std::vector<std::string> interpolation_names() {
@@ -100,6 +114,8 @@ Image detail::warp_with(Simd simd, const Image& image, const TriangleMesh& rest,
     const Painter painter({image.pixels, format, light ? &*light : nullptr}, input.rest, input.moved,
                           {spans, border, layers == 1}, chosen, simd, result.pixels);
     paint_all(painter, chosen.canvas, progress);
+    // Folds are borders too, but what lies over or under them may well fill the pixels that they cross.
+    if (format.adds_alpha && !border.empty() && spans.covers_canvas()) drop_full_alpha(result.pixels);
     return result;
 }
 

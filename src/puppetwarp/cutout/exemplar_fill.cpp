@@ -39,13 +39,6 @@ struct Level {
     std::unique_ptr<PatchField> field;
 };
 
-// How well patches fit, and what stands in where they do not, in a picture that is 2^halvings times smaller.
-struct Substitute {
-    cv::Mat mismatch;
-    cv::Mat smooth;
-    int halvings = 0;
-};
-
 void measure(Level& level) {
     cv::distanceTransform(level.hole, level.depth, cv::DIST_L2, cv::DIST_MASK_5);
     cv::minMaxLoc(level.depth, nullptr, &level.deepest);
@@ -91,41 +84,6 @@ std::vector<Level> pyramid(const cv::Mat& picture, const cv::Mat& hole) {
     return levels;
 }
 
-// A picture that is 2^halvings times smaller, bilinearly between its pixels.
-class Enlarged {
-public:
-    Enlarged(const cv::Mat& smaller, int halvings) : smaller_(smaller), scale_(1.0 / (1 << halvings)) {}
-
-    void read(int x, int y, float* out) const {
-        const Place across = place(x, smaller_.cols), down = place(y, smaller_.rows);
-        const int channels = smaller_.channels();
-        const float* upper = smaller_.ptr<float>(down.first);
-        const float* lower = smaller_.ptr<float>(down.second);
-        for (int c = 0; c < channels; ++c) {
-            const auto along = [&](const float* row) {
-                const float left = row[channels * across.first + c], right = row[channels * across.second + c];
-                return left + across.share * (right - left);
-            };
-            const float top = along(upper);
-            out[c] = top + down.share * (along(lower) - top);
-        }
-    }
-
-private:
-    struct Place {
-        int first, second;
-        float share;
-    };
-    Place place(int fine, int size) const {
-        const double at = std::clamp((fine + 0.5) * scale_ - 0.5, 0.0, size - 1.0);
-        const int first = static_cast<int>(at);
-        return {first, std::min(first + 1, size - 1), static_cast<float>(at - first)};
-    }
-
-    const cv::Mat& smaller_;
-    double scale_;
-};
-
 // `body(x, y)` for the pixels of a hole.
 template <class Body>
 void for_hole(const cv::Mat& hole, const Body& body) {
@@ -146,9 +104,12 @@ void begin_with(const cv::Mat& coarse, Level& level) {
     for_hole(level.hole, [&](int x, int y) { enlarged.read(x, y, level.picture.ptr<float>(y) + channels * x); });
 }
 
-void search(Level& level, int round_count, std::uint32_t seed) {
+// \param heard  hears what share is done, and may throw.
+template <class Heard>
+void search(Level& level, int round_count, std::uint32_t seed, const Heard& heard) {
     constexpr std::array passes{8, 4, 2, 1};
     for (int round = 0; round < round_count; ++round) {
+        heard(static_cast<double>(round) / round_count);
         level.field->improve(level.picture, passes, anywhere_px, seed + static_cast<std::uint32_t>(10 * round));
         level.field->vote(level.picture);
     }
@@ -161,12 +122,20 @@ void follow(Level& level, std::uint32_t seed) {
     level.field->vote(level.picture);
 }
 
-Substitute substitute_of(const Level& level, int halvings) {
-    Substitute substitute;
-    substitute.halvings = halvings;
-    substitute.mismatch = level.field->mismatch(level.picture.channels());
-    substitute.smooth = membrane(level.picture, (level.hole == 0) | (substitute.mismatch < most_mismatch));
-    return substitute;
+void find_substitute(const Level& level, int halvings, HoleFilling& filling) {
+    filling.halvings = halvings;
+    filling.mismatch = level.field->mismatch(level.picture.channels());
+    filling.smooth = membrane(level.picture, (level.hole == 0) | (filling.mismatch < most_mismatch));
+}
+
+// What all patches together lack beside the hole, spread over it.
+void find_seam(const Level& level, HoleFilling& filling) {
+    filling.seam_halvings = std::max(filling.halvings, least_seam_halvings);
+    cv::Mat beside;
+    const cv::Mat seam = level.field->seam(level.picture, 1 << filling.seam_halvings, beside);
+    filling.missing = cv::countNonZero(beside) > 0 ? membrane(seam, beside) : seam;
+    filling.offset = level.field->offsets();
+    filling.weight = level.field->votes(level.picture.channels());
 }
 
 double smooth_step(double from, double to, double value) {
@@ -174,37 +143,33 @@ double smooth_step(double from, double to, double value) {
     return t * t * (3 - 2 * t);
 }
 
-// Takes the seam away, and fades to the substitute where patches do not fit.
-void finish(Level& level, const Substitute& substitute) {
-    const int channels = level.picture.channels();
-    cv::Mat beside;
-    const int seam_halvings = std::max(substitute.halvings, least_seam_halvings);
-    const cv::Mat seam = level.field->seam(level.picture, 1 << seam_halvings, beside);
-    const cv::Mat missing = cv::countNonZero(beside) > 0 ? membrane(seam, beside) : seam;
-    const Enlarged smooth(substitute.smooth, substitute.halvings), lacking(missing, seam_halvings),
-        mismatch(substitute.mismatch, substitute.halvings);
-    for_hole(level.hole, [&](int x, int y) {
-        std::array<float, 4> instead{}, more{};
-        float unlike = 0;
-        smooth.read(x, y, instead.data());
-        lacking.read(x, y, more.data());
-        mismatch.read(x, y, &unlike);
-        const auto weight = static_cast<float>(smooth_step(good_share * most_mismatch, most_mismatch, unlike));
-        float* pixel = level.picture.ptr<float>(y) + channels * x;
-        for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c) {
-            pixel[c] = (1 - weight) * (pixel[c] + more[c]) + weight * instead[c];
-        }
-    });
-}
-
 }  // namespace
 
-void fill_hole(cv::Mat& picture, const cv::Mat& hole, Progress& progress) {
+FillingFinish::FillingFinish(const HoleFilling& filling, int halvings)
+    : smooth_(filling.smooth, filling.halvings + halvings),
+      mismatch_(filling.mismatch, filling.halvings + halvings),
+      missing_(filling.missing, filling.seam_halvings + halvings) {}
+
+void FillingFinish::apply(int x, int y, int channels, float* pixel) const {
+    std::array<float, 4> instead{}, more{};
+    float unlike = 0;
+    smooth_.read(x, y, instead.data());
+    missing_.read(x, y, more.data());
+    mismatch_.read(x, y, &unlike);
+    const auto weight = static_cast<float>(smooth_step(good_share * most_mismatch, most_mismatch, unlike));
+    for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c) {
+        pixel[c] = (1 - weight) * (pixel[c] + more[c]) + weight * instead[c];
+    }
+}
+
+HoleFilling fill_hole(cv::Mat& picture, const cv::Mat& hole, Progress& progress) {
     std::vector<Level> levels = pyramid(picture, hole);
     const PatchField* coarse = nullptr;
-    Substitute substitute;
+    HoleFilling filling;
+    const auto count = static_cast<double>(levels.size());
     for (int i = static_cast<int>(levels.size()) - 1; i >= 0; --i) {
-        progress.step("background", 1 - (i + 1.0) / static_cast<double>(levels.size()));
+        const auto heard = [&](double share) { progress.step("background", (count - 1 - i + share) / count); };
+        heard(0);
         Level& level = levels[static_cast<std::size_t>(i)];
         const bool coarsest = i + 1 == static_cast<int>(levels.size());
         if (coarsest) {
@@ -212,22 +177,27 @@ void fill_hole(cv::Mat& picture, const cv::Mat& hole, Progress& progress) {
         } else {
             begin_with(levels.back().picture, level);
         }
-        const bool searched = substitute.smooth.empty() || cv::countNonZero(level.hole) <= searched_pixels;
+        const bool searched = filling.smooth.empty() || cv::countNonZero(level.hole) <= searched_pixels;
         level.field = std::make_unique<PatchField>(level.hole, level.depth);
         const auto seed = static_cast<std::uint32_t>(1000 * i);
         // Where too little is known for a patch, finer levels may know enough.
         const bool begun = coarse != nullptr ? level.field->begin(*coarse) : level.field->begin();
         if (begun && searched) {
-            search(level, coarse == nullptr ? first_rounds : rounds, seed);
-            substitute = substitute_of(level, i);
+            search(level, coarse == nullptr ? first_rounds : rounds, seed, heard);
+            find_substitute(level, i, filling);
         } else if (begun) {
             follow(level, seed);
         }
         if (begun) coarse = level.field.get();
         if (!coarsest) levels.pop_back();
     }
-    if (coarse != nullptr) finish(levels[0], substitute);
-    progress.step("background", 1);
+    if (coarse == nullptr) return filling;
+    find_seam(levels[0], filling);
+    const FillingFinish finish(filling, 0);
+    for_hole(hole, [&](int x, int y) {
+        finish.apply(x, y, picture.channels(), picture.ptr<float>(y) + picture.channels() * x);
+    });
+    return filling;
 }
 
 }  // namespace puppetwarp

@@ -2,12 +2,15 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/threads.h>
+#include <puppetwarp/cutout/enlarge_filling.h>
 #include <puppetwarp/cutout/exemplar_fill.h>
+#include <puppetwarp/cutout/full_scale.h>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <type_traits>
@@ -20,7 +23,7 @@ constexpr int rows_a_task = 32;
 constexpr double grown_px = 2;                // what a sharp edge blurs over
 constexpr double grown_share = 1.0 / 800;     // of the picture's diagonal: large pictures are softer
 constexpr int least_margin_px = 32;           // of known pixels around the hole
-constexpr std::size_t most_pixels = 1 << 24;  // what is filled at full size; larger holes are filled at a part of it
+constexpr std::size_t most_pixels = 1 << 20;  // that are searched for patches
 
 [[noreturn]] void throw_nothing_around(const char* reason) {
     throw InvalidInput("background inpaint", reason, "cut the subject out of a picture that shows what is around it");
@@ -43,50 +46,45 @@ cv::Rect box_around(const cv::Mat& hole) {
     return around & cv::Rect(0, 0, hole.cols, hole.rows);
 }
 
-// Between what pictures hold and float numbers of full scale 1, premultiplied.
+// Means of blocks of 2^halvings pixels along each axis.
 template <class T>
-struct Values {
-    static constexpr double full = std::is_floating_point_v<T> ? 1.0 : static_cast<double>(static_cast<T>(-1));
-
-    static float read(T value) {
-        const auto number = static_cast<float>(value / full);
-        return std::isfinite(number) ? number : 0.0F;
-    }
-    static T written(double value) {
-        if constexpr (std::is_floating_point_v<T>) {
-            return static_cast<T>(value);
-        } else {
-            return static_cast<T>(std::clamp(value * full + 0.5, 0.0, full));
-        }
-    }
-
-    static void load(const T* from, int channels, float* to) {
-        const bool has_alpha = channels % 2 == 0;
-        const float alpha = has_alpha ? read(from[channels - 1]) : 1;
-        for (int c = 0; c < channels - has_alpha; ++c) to[c] = read(from[c]) * alpha;
-        if (has_alpha) to[channels - 1] = alpha;
-    }
-
-    static void store(const float* from, int channels, T* to) {
-        const bool has_alpha = channels % 2 == 0;
-        const double alpha = has_alpha ? static_cast<double>(from[channels - 1]) : 1;
-        for (int c = 0; c < channels - has_alpha; ++c) to[c] = written(alpha > 0 ? from[c] / alpha : 0);
-        if (has_alpha) to[channels - 1] = written(alpha);
-    }
-};
-
-template <class T>
-cv::Mat loaded(const cv::Mat& pixels) {
-    const int channels = pixels.channels();
-    cv::Mat values(pixels.size(), CV_MAKETYPE(CV_32F, channels));
-    parallel_for(0, pixels.rows, rows_a_task, [&](int first, int last) {
+cv::Mat loaded(const cv::Mat& pixels, int halvings) {
+    const int channels = pixels.channels(), block = 1 << halvings;
+    cv::Mat values((pixels.rows - 1) / block + 1, (pixels.cols - 1) / block + 1, CV_MAKETYPE(CV_32F, channels));
+    parallel_for(0, values.rows, rows_a_task, [&](int first, int last) {
+        std::array<float, 4> one{}, sum{};
         for (int y = first; y < last; ++y) {
-            for (int x = 0; x < pixels.cols; ++x) {
-                Values<T>::load(pixels.ptr<T>(y) + channels * x, channels, values.ptr<float>(y) + channels * x);
+            for (int x = 0; x < values.cols; ++x) {
+                const int right = std::min((x + 1) * block, pixels.cols), low = std::min((y + 1) * block, pixels.rows);
+                sum.fill(0);
+                for (int j = y * block; j < low; ++j) {
+                    for (int i = x * block; i < right; ++i) {
+                        Values<T>::load(pixels.ptr<T>(j) + channels * i, channels, one.data());
+                        for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += one[c];
+                    }
+                }
+                const auto count = static_cast<float>((right - x * block) * (low - y * block));
+                float* mean = values.ptr<float>(y) + channels * x;
+                for (int c = 0; c < channels; ++c) mean[c] = sum[static_cast<std::size_t>(c)] / count;
             }
         }
     });
     return values;
+}
+
+// What is not known of some pixel of a block is not known.
+cv::Mat blocks_of(const cv::Mat& hole, int halvings) {
+    if (halvings == 0) return hole;
+    const int block = 1 << halvings;
+    cv::Mat blocks((hole.rows - 1) / block + 1, (hole.cols - 1) / block + 1, CV_8U, cv::Scalar(0));
+    parallel_for(0, blocks.rows, rows_a_task, [&](int first, int last) {
+        for (int y = first * block; y < std::min(last * block, hole.rows); ++y) {
+            const std::uint8_t* row = hole.ptr<std::uint8_t>(y);
+            std::uint8_t* out = blocks.ptr<std::uint8_t>(y / block);
+            for (int x = 0; x < hole.cols; ++x) out[x / block] |= row[x];
+        }
+    });
+    return blocks;
 }
 
 template <class T>
@@ -110,24 +108,20 @@ bool shows_something(const cv::Mat& values, const cv::Mat& hole) {
     return cv::countNonZero((alpha > 0) & (hole == 0)) > 0;
 }
 
-// Holes that are too large are filled at a part of their size.
-void fill(cv::Mat& values, const cv::Mat& hole, Progress& progress) {
-    if (hole.total() <= most_pixels) return fill_hole(values, hole, progress);
-    const double scale = std::sqrt(static_cast<double>(most_pixels) / static_cast<double>(hole.total()));
-    cv::Mat smaller, smaller_hole, filled;
-    cv::resize(values, smaller, {}, scale, scale, cv::INTER_AREA);
-    cv::resize(hole, smaller_hole, smaller.size(), 0, 0, cv::INTER_AREA);
-    fill_hole(smaller, smaller_hole, progress);
-    cv::resize(smaller, filled, values.size(), 0, 0, cv::INTER_CUBIC);
-    filled.copyTo(values, hole);
-}
-
+// Large holes are filled at a part of their size, and from that in full.
 template <class T>
 void fill_pixels(cv::Mat pixels, const cv::Mat& hole, Progress& progress) {
-    cv::Mat values = loaded<T>(pixels);
-    if (!shows_something(values, hole)) throw_nothing_around("nothing around the subject is visible");
-    fill(values, hole, progress);
-    store<T>(values, hole, pixels);
+    int halvings = 0;
+    while ((hole.total() >> (2 * halvings)) > most_pixels) ++halvings;
+    cv::Mat values = loaded<T>(pixels, halvings);
+    const cv::Mat blocks = blocks_of(hole, halvings);
+    if (!shows_something(values, blocks)) throw_nothing_around("nothing around the subject is visible");
+    const HoleFilling filling = fill_hole(values, blocks, progress);
+    if (halvings == 0) {
+        store<T>(values, hole, pixels);
+    } else {
+        enlarge_filling(filling, values, halvings, hole, pixels, progress);
+    }
 }
 
 }  // namespace

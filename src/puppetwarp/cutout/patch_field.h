@@ -41,6 +41,12 @@ public:
     //! \param known  set to 255 for the cells that have any, CV_8U.
     cv::Mat seam(const cv::Mat& picture, int cell_px, cv::Mat& known) const;
 
+    //! CV_16SC2, from the middle of each patch that touches the hole to that of its source.
+    const cv::Mat& offsets() const { return offset_; }
+
+    //! How much each of those patches counts, CV_32F; 0 elsewhere.
+    cv::Mat votes(int channels) const;
+
     //! How unlike what is around them the patches over each pixel are: root of mean squares, 1 is full scale. CV_32F
     cv::Mat mismatch(int channels) const;
 
@@ -48,7 +54,6 @@ private:
     template <int Channels>
     class Matcher;
 
-    cv::Mat votes(int channels) const;
     bool vote_at(int x, int y, const cv::Mat& weight, const cv::Mat& picture, float* out) const;
     bool inside(int x, int y) const { return x >= 0 && y >= 0 && x < source_.cols && y < source_.rows; }
     bool is_source(int x, int y) const { return inside(x, y) && source_.ptr<std::uint8_t>(y)[x] != 0; }

@@ -19,7 +19,7 @@ namespace {
 constexpr int rows_a_task = 32;
 constexpr int reach_px = 10;         // how far either side of an edge may be
 constexpr double near_px = 6;        // from this distance on a side says less and less
-constexpr int colours_of_px = 4;     // beyond the nearest pixel of a side, what else of it is looked at
+constexpr int colours_of_px = 3;     // beyond the nearest pixel of a side, what else of it is looked at
 constexpr double mixed_above = 0.9;  // from this coverage on a pixel is the subject's more and more
 // Sides that differ by less, as a share of full scale, tell nothing apart.
 constexpr double least_contrast = 0.02;
@@ -119,43 +119,52 @@ private:
         }
     }
 
-    // One side, by its pixels that lie little farther than the nearest.
+    // The pixels of a place that lie little farther than the nearest.
+    Side side(Place wanted, int x, int y) const {
+        Side found;
+        int nearest = std::numeric_limits<int>::max();
+        const auto is_wanted = [&](int i, int j) { return places_.at<std::uint8_t>(j, i) == wanted; };
+        around(x, y, reach_px, [&](int i, int j, int squared) {
+            if (squared < nearest && is_wanted(i, j)) nearest = squared;
+        });
+        if (nearest == std::numeric_limits<int>::max()) return found;
+        around(x, y, static_cast<int>(std::sqrt(nearest)) + colours_of_px, [&](int i, int j, int squared) {
+            if (!is_wanted(i, j)) return;
+            const Colour here = colour(i, j);
+            if (std::isfinite(here[0] + here[1] + here[2])) found.add(here, squared);
+        });
+        return found;
+    }
     Side side(Place core, Place rim, int x, int y) const {
-        for (const Place wanted : {core, rim}) {
-            int nearest = std::numeric_limits<int>::max();
-            const auto is_wanted = [&](int i, int j) { return places_.at<std::uint8_t>(j, i) == wanted; };
-            around(x, y, reach_px, [&](int i, int j, int squared) {
-                if (squared < nearest && is_wanted(i, j)) nearest = squared;
-            });
-            if (nearest == std::numeric_limits<int>::max()) continue;
-            Side found;
-            around(x, y, static_cast<int>(std::sqrt(nearest)) + colours_of_px, [&](int i, int j, int squared) {
-                if (!is_wanted(i, j)) return;
-                const Colour here = colour(i, j);
-                if (std::isfinite(here[0] + here[1] + here[2])) found.add(here, squared);
-            });
-            if (found.weight > 0) return found;
+        const Side found = side(core, x, y);
+        return found.weight > 0 ? found : side(rim, x, y);
+    }
+
+    // How much of a colour is what is behind, told by the colours on either side. NaN for what is no number.
+    static double share_of(const Colour& colour, const Colour& subject, const Colour& behind) {
+        double along = 0, length = least_contrast * least_contrast;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double step = subject[c] - behind[c];
+            along += (colour[c] - behind[c]) * step;
+            length += step * step;
         }
-        return {};
+        return std::min(1 - along / length, 1.0);
     }
 
     void clean(int x, int y, T* out) const {
         const Side inner = side(inside, inside_rim, x, y), outer = side(outside, outside_rim, x, y);
-        const double trust = std::min(inner.trust(), outer.trust());
+        double trust = std::min(inner.trust(), outer.trust());
         if (!(trust > 0)) return;
         const Colour here = colour(x, y), subject = inner.mean(), behind = outer.mean();
-        double along = 0, length = least_contrast * least_contrast;
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double step = subject[c] - behind[c];
-            along += (here[c] - behind[c]) * step;
-            length += step * step;
-        }
-        // How much of the pixel is what is behind, by its colour; NaN takes nothing out.
-        const double share = 1 - along / length;
+        const double share = share_of(here, subject, behind);
         if (!(share > 0)) return;
+        // Where the outermost pixels that are covered in full, and so stay, show what is behind, the cutout is too
+        // large: a clean pixel beyond them would stand alone.
+        const Side rim = side(inside_rim, x, y);
+        if (rim.weight > 0) trust *= std::clamp(1 - 2 * share_of(rim.mean(), subject, behind), 0.0, 1.0);
         const double mixed = std::min((1 - coverage(x, y)) / (1 - mixed_above), 1.0);
         for (std::size_t c = 0; c < static_cast<std::size_t>(pixels_.channels()); ++c) {
-            const double moved = here[c] + std::min(share, 1.0) * (subject[c] - behind[c]);
+            const double moved = here[c] + share * (subject[c] - behind[c]);
             const double own = std::clamp(moved, inner.low[c], inner.high[c]);
             const double value = full * (here[c] + trust * mixed * (own - here[c]));
             out[c] = std::is_floating_point_v<T> ? static_cast<T>(value)

@@ -140,4 +140,15 @@ cv::Mat fit_to_format(const cv::Mat& pixels, const FormatTraits& format) {
     return fitted.isContinuous() ? fitted : fitted.clone();
 }
 
+PictureRows fit_to_format(const PictureRows& picture, const FormatTraits& format) {
+    const int type = fit_to_format(cv::Mat::zeros(1, 1, picture.type), format).type();
+    if (type == picture.type) return picture;
+    PictureRows fitted = picture;
+    fitted.type = type;
+    fitted.rows = [rows = picture.rows, &format](int first, int last) {
+        return fit_to_format(rows(first, last), format);
+    };
+    return fitted;
+}
+
 }  // namespace puppetwarp

@@ -14,6 +14,7 @@
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ namespace puppetwarp {
 namespace {
 
 constexpr double mm_an_inch = 25.4;
+constexpr int rows_at_a_time = 256;
 
 // The first part of an EXR file, its header checked.
 class ExrPicture {
@@ -132,15 +134,37 @@ cv::Mat multiplied_by_alpha(const cv::Mat& pixels) {
     return product;
 }
 
-Imf::Header header_for(const cv::Mat& pixels, const ImageMetadata& metadata, const WriteOptions& options) {
-    Imf::Header header(pixels.cols, pixels.rows);
+std::vector<const char*> channel_names(int channels) {
+    std::vector<const char*> names = channels <= 2 ? std::vector{"Y"} : std::vector{"R", "G", "B"};
+    if (channels % 2 == 0) names.push_back("A");
+    return names;
+}
+
+Imf::Header header_for(const PictureRows& picture, const WriteOptions& options) {
+    Imf::Header header(picture.width, picture.height);
+    const ImageMetadata& metadata = picture.metadata;
     header.compression() = options.compression == 0 ? Imf::NO_COMPRESSION : Imf::ZIP_COMPRESSION;
     if (options.compression > 0) header.zipCompressionLevel() = options.compression;
     if (metadata.x_pixels_per_mm > 0 && metadata.y_pixels_per_mm > 0) {
         Imf::addXDensity(header, static_cast<float>(metadata.x_pixels_per_mm * mm_an_inch));
         header.pixelAspectRatio() = static_cast<float>(metadata.y_pixels_per_mm / metadata.x_pixels_per_mm);
     }
+    for (const char* name : channel_names(CV_MAT_CN(picture.type)))
+        header.channels().insert(name, Imf::Channel(Imf::FLOAT));
     return header;
+}
+
+// A frame whose row `first_row` of the picture is the first of `rows`.
+Imf::FrameBuffer frame_over(const cv::Mat& rows, int first_row) {
+    Imf::FrameBuffer frame;
+    std::size_t c = 0;
+    for (const char* name : channel_names(rows.channels())) {
+        // OpenEXR's slices are of char*, also where it only reads them.
+        auto* base = const_cast<char*>(reinterpret_cast<const char*>(rows.ptr()) + c++ * sizeof(float));
+        frame.insert(
+            name, Imf::Slice::Make(Imf::FLOAT, base, {0, first_row}, rows.cols, rows.rows, rows.elemSize(), rows.step));
+    }
+    return frame;
 }
 
 }  // namespace
@@ -157,26 +181,17 @@ ImageInfo read_exr_info(const PictureFile& file, const ReadOptions& options) {
     return reading_exr(file, [&] { return ExrPicture(file, options).info(); });
 }
 
-void write_exr(const cv::Mat& pixels, const ImageMetadata& metadata, const WriteOptions& options, OutputFile& file) {
-    const int channels = pixels.channels();
-    const bool alpha = channels % 2 == 0;
-    const cv::Mat stored = alpha ? multiplied_by_alpha(pixels) : pixels;
-    std::vector<const char*> names = channels <= 2 ? std::vector{"Y"} : std::vector{"R", "G", "B"};
-    if (alpha) names.push_back("A");
-
-    Imf::Header header = header_for(pixels, metadata, options);
-    Imf::FrameBuffer frame;
-    for (std::size_t c = 0; c < names.size(); ++c) {
-        header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
-        // OpenEXR's slices are of char*, also where it only reads them.
-        auto* base = const_cast<char*>(reinterpret_cast<const char*>(stored.ptr()) + c * sizeof(float));
-        frame.insert(names[c], Imf::Slice(Imf::FLOAT, base, stored.elemSize(), stored.step));
-    }
+void write_exr(const PictureRows& picture, const WriteOptions& options, OutputFile& file) {
+    const bool alpha = CV_MAT_CN(picture.type) % 2 == 0;
     ExrOutput stream(file);
     writing_exr(file, stream, [&] {
-        Imf::OutputFile output(stream, header, 0);
-        output.setFrameBuffer(frame);
-        output.writePixels(pixels.rows);
+        Imf::OutputFile output(stream, header_for(picture, options), 0);
+        for (int first = 0; first < picture.height; first += rows_at_a_time) {
+            const cv::Mat rows = picture.rows(first, std::min(picture.height, first + rows_at_a_time));
+            const cv::Mat stored = alpha ? multiplied_by_alpha(rows) : rows;
+            output.setFrameBuffer(frame_over(stored, first));
+            output.writePixels(stored.rows);
+        }
     });
 }
 

@@ -6,6 +6,7 @@
 #include <puppetwarp/image/write.h>
 
 #include <puppetwarp/image/picture_file.h>
+#include <puppetwarp/image/picture_rows.h>
 
 namespace puppetwarp {
 
@@ -19,7 +20,7 @@ bool is_exr(const PictureFile& file);
 Image read_exr(const PictureFile& file, const ReadOptions& options);
 ImageInfo read_exr_info(const PictureFile& file, const ReadOptions& options);
 
-//! \param pixels  CV_32F, 1 to 4 channels; written as 32-bit floats, ZIP-compressed unless `compression` is 0.
-void write_exr(const cv::Mat& pixels, const ImageMetadata& metadata, const WriteOptions& options, OutputFile& file);
+//! \param picture  CV_32F, 1 to 4 channels; written as 32-bit floats, ZIP-compressed unless `compression` is 0.
+void write_exr(const PictureRows& picture, const WriteOptions& options, OutputFile& file);
 
 }  // namespace puppetwarp

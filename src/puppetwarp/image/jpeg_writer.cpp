@@ -3,6 +3,7 @@
 #include <puppetwarp/image/bytes.h>
 #include <puppetwarp/image/convert.h>
 #include <puppetwarp/image/vips_output.h>
+#include <puppetwarp/image/vips_rows.h>
 
 #include <algorithm>
 #include <cmath>
@@ -75,15 +76,17 @@ std::string leading_segments(const ImageMetadata& metadata, int channels) {
 
 }  // namespace
 
-void write_jpeg(const cv::Mat& pixels, const ImageMetadata& metadata, const WriteOptions& options, OutputFile& file) {
+void write_jpeg(const PictureRows& picture, const WriteOptions& options, OutputFile& file) {
     require_vips();
-    const VipsImagePtr image = vips_view(pixels);
+    const VipsRows rows(picture);
     const std::string jpeg = encoded(file.target().string(), [&](void** bytes, std::size_t* count) {
-        return vips_jpegsave_buffer(image.get(), bytes, count, "Q", options.quality, "subsample_mode",
-                                    options.quality >= 90 ? VIPS_FOREIGN_SUBSAMPLE_OFF : VIPS_FOREIGN_SUBSAMPLE_ON,
-                                    "strip", TRUE, nullptr);
+        const int status = vips_jpegsave_buffer(
+            rows.image(), bytes, count, "Q", options.quality, "subsample_mode",
+            options.quality >= 90 ? VIPS_FOREIGN_SUBSAMPLE_OFF : VIPS_FOREIGN_SUBSAMPLE_ON, "strip", TRUE, nullptr);
+        rows.rethrow_failure();
+        return status;
     });
-    file.write(leading_segments(metadata, pixels.channels()));
+    file.write(leading_segments(picture.metadata, CV_MAT_CN(picture.type)));
     file.write(std::string_view(jpeg).substr(2));  // after its start-of-image marker
 }
 

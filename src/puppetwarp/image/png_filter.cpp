@@ -53,14 +53,14 @@ std::uint64_t cost(const std::uint8_t* bytes, std::size_t count) {
 
 }  // namespace
 
-PngRowFilter::PngRowFilter(const cv::Mat& pixels)
-    : pixels_(pixels),
-      row_bytes_(static_cast<std::size_t>(pixels.cols) * pixels.elemSize()),
-      pixel_bytes_(pixels.elemSize()) {}
+PngRowFilter::PngRowFilter(cv::Mat pixels, cv::Mat above)
+    : pixels_(std::move(pixels)),
+      above_(std::move(above)),
+      row_bytes_(static_cast<std::size_t>(pixels_.cols) * pixels_.elemSize()),
+      pixel_bytes_(pixels_.elemSize()) {}
 
 // PNG holds 16-bit values with the high byte first.
-void PngRowFilter::store_row(int y, std::uint8_t* bytes) const {
-    const std::uint8_t* row = pixels_.ptr(y);
+void PngRowFilter::store_row(const std::uint8_t* row, std::uint8_t* bytes) const {
     if (pixels_.depth() == CV_8U || std::endian::native == std::endian::big) {
         std::memcpy(bytes, row, row_bytes_);
         return;
@@ -75,10 +75,11 @@ std::vector<std::uint8_t> PngRowFilter::filtered(int first, int last, PngFilter 
     std::vector<std::uint8_t> out(static_cast<std::size_t>(last - first) * row_bytes());
     std::vector<std::uint8_t> previous(pixel_bytes_ + row_bytes_);
     std::vector<std::uint8_t> row(pixel_bytes_ + row_bytes_);
-    if (first > 0) store_row(first - 1, previous.data() + pixel_bytes_);
+    if (first > 0 || !above_.empty())
+        store_row(first > 0 ? pixels_.ptr(first - 1) : above_.ptr(), previous.data() + pixel_bytes_);
     std::uint8_t* to = out.data();
     for (int y = first; y < last; ++y, to += row_bytes()) {
-        store_row(y, row.data() + pixel_bytes_);
+        store_row(pixels_.ptr(y), row.data() + pixel_bytes_);
         to[0] = static_cast<std::uint8_t>(filter);
         apply(filter, {previous.data() + pixel_bytes_, row.data() + pixel_bytes_, row_bytes_, pixel_bytes_}, to + 1);
         std::swap(previous, row);

@@ -15,7 +15,8 @@ enum class PngFilter : std::uint8_t { none = 0, sub = 1, up = 2, average = 3, pa
 class PngRowFilter {
 public:
     //! \param pixels  CV_8U or CV_16U.
-    explicit PngRowFilter(const cv::Mat& pixels);
+    //! \param above   the picture's row above them; of no size: they begin at its top.
+    PngRowFilter(cv::Mat pixels, cv::Mat above);
 
     //! Bytes of a filtered row, with the byte in front that names the filter.
     std::size_t row_bytes() const { return row_bytes_ + 1; }
@@ -28,9 +29,10 @@ public:
     std::vector<std::uint8_t> filtered_adaptively(int first, int last) const;
 
 private:
-    void store_row(int y, std::uint8_t* bytes) const;
+    void store_row(const std::uint8_t* row, std::uint8_t* bytes) const;
 
-    const cv::Mat& pixels_;
+    cv::Mat pixels_;
+    cv::Mat above_;
     std::size_t row_bytes_;
     std::size_t pixel_bytes_;
 };

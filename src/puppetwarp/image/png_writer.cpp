@@ -83,13 +83,13 @@ private:
     const ByteSink& sink_;
 };
 
-std::string header_body(const cv::Mat& pixels) {
+std::string header_body(const PictureRows& picture) {
     constexpr std::array colour_types = {0, 4, 2, 6};  // grey, grey + alpha, RGB, RGB + alpha
     std::string body;
-    append_be32(body, static_cast<std::uint32_t>(pixels.cols));
-    append_be32(body, static_cast<std::uint32_t>(pixels.rows));
-    body += static_cast<char>(pixels.depth() == CV_8U ? 8 : 16);
-    body += static_cast<char>(colour_types[static_cast<std::size_t>(pixels.channels() - 1)]);
+    append_be32(body, static_cast<std::uint32_t>(picture.width));
+    append_be32(body, static_cast<std::uint32_t>(picture.height));
+    body += static_cast<char>(CV_MAT_DEPTH(picture.type) == CV_8U ? 8 : 16);
+    body += static_cast<char>(colour_types[static_cast<std::size_t>(CV_MAT_CN(picture.type) - 1)]);
     return body + "\0\0\0"s;  // Deflate, the five filters, not interlaced
 }
 
@@ -133,48 +133,57 @@ Band pack_band(const PngRowFilter& rows, int first, int last, int level, bool fi
     return band;
 }
 
-void write_pixels(PngStream& png, const cv::Mat& pixels, int level) {
-    const PngRowFilter rows(pixels);
-    const int band_rows = static_cast<int>(std::clamp<std::size_t>(band_bytes / rows.row_bytes(), 1, 1 << 20));
+// The bands of some rows. \param final  whether these rows end the picture.
+std::vector<Band> pack_rows(const cv::Mat& pixels, const cv::Mat& above, int band_rows, int level, bool final) {
+    const PngRowFilter rows(pixels, above);
     const int bands = (pixels.rows - 1) / band_rows + 1;
-    // A few bands a thread are in memory at a time, never the whole packed picture.
-    const int batch = 4 * thread_count();
-    uLong checksum = adler32_z(0, nullptr, 0);
-    for (int begin = 0; begin < bands; begin += batch) {
-        const int end = std::min(bands, begin + batch);
-        std::vector<Band> packed(static_cast<std::size_t>(end - begin));
-        parallel_for(begin, end, 1, [&](int from, int to) {
-            for (int band = from; band < to; ++band) {
-                const int first = band * band_rows;
-                const int last = std::min(pixels.rows - first, band_rows) + first;
-                packed[static_cast<std::size_t>(band - begin)] = pack_band(rows, first, last, level, band + 1 == bands);
-            }
-        });
-        for (int band = begin; band < end; ++band) {
-            Band& piece = packed[static_cast<std::size_t>(band - begin)];
-            checksum = adler32_combine(checksum, piece.checksum, static_cast<z_off_t>(piece.bytes));
-            // The zlib stream around the bands (RFC 1950): two bytes in front, the checksum at the end.
-            if (band == 0) piece.packed.insert(0, "\x78\x01");
-            if (band + 1 == bands) append_be32(piece.packed, static_cast<std::uint32_t>(checksum));
-            png.chunk("IDAT", piece.packed);
+    std::vector<Band> packed(static_cast<std::size_t>(bands));
+    parallel_for(0, bands, 1, [&](int from, int to) {
+        for (int band = from; band < to; ++band) {
+            const int first = band * band_rows;
+            const int last = std::min(pixels.rows, first + band_rows);
+            packed[static_cast<std::size_t>(band)] = pack_band(rows, first, last, level, final && band + 1 == bands);
         }
+    });
+    return packed;
+}
+
+void write_pixels(PngStream& png, const PictureRows& picture, int level) {
+    const std::size_t row_bytes = static_cast<std::size_t>(picture.width) * CV_ELEM_SIZE(picture.type) + 1;
+    const int band_rows = static_cast<int>(std::clamp<std::size_t>(band_bytes / row_bytes, 1, 1 << 20));
+    // A few bands a thread are in memory at a time, never the whole packed picture.
+    const int step = static_cast<int>(
+        std::min<std::int64_t>(std::int64_t{4} * thread_count() * band_rows, std::numeric_limits<int>::max()));
+    uLong checksum = adler32_z(0, nullptr, 0);
+    cv::Mat above;
+    for (int first = 0; first < picture.height;) {
+        const int last = picture.height - first > step ? first + step : picture.height;
+        const cv::Mat pixels = picture.rows(first, last);
+        std::vector<Band> bands = pack_rows(pixels, above, band_rows, level, last == picture.height);
+        for (const Band& band : bands)
+            checksum = adler32_combine(checksum, band.checksum, static_cast<z_off_t>(band.bytes));
+        // The zlib stream around the bands (RFC 1950): two bytes in front, the checksum at the end.
+        if (first == 0) bands.front().packed.insert(0, "\x78\x01");
+        if (last == picture.height) append_be32(bands.back().packed, static_cast<std::uint32_t>(checksum));
+        for (const Band& band : bands) png.chunk("IDAT", band.packed);
+        above = pixels.row(pixels.rows - 1);
+        first = last;
     }
 }
 
 }  // namespace
 
-void write_png(const cv::Mat& pixels, const ImageMetadata& metadata, const WriteOptions& options,
-               const ByteSink& sink) {
+void write_png(const PictureRows& picture, const WriteOptions& options, const ByteSink& sink) {
     PngStream png(sink);
-    png.chunk("IHDR", header_body(pixels));
-    write_metadata(png, metadata, pixels.channels());
-    write_pixels(png, pixels, options.compression);
+    png.chunk("IHDR", header_body(picture));
+    write_metadata(png, picture.metadata, CV_MAT_CN(picture.type));
+    write_pixels(png, picture, options.compression);
     png.chunk("IEND", "");
 }
 
 std::string png_bytes(const cv::Mat& pixels, const WriteOptions& options) {
     std::string bytes;
-    write_png(pixels, {}, options, [&](std::string_view more) { bytes += more; });
+    write_png(rows_of({pixels, {}}), options, [&](std::string_view more) { bytes += more; });
     return bytes;
 }
 

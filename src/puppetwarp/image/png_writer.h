@@ -1,6 +1,6 @@
 #pragma once
 
-#include <puppetwarp/base/image.h>
+#include <puppetwarp/image/picture_rows.h>
 #include <puppetwarp/image/write.h>
 
 #include <functional>
@@ -13,8 +13,8 @@ namespace puppetwarp {
 using ByteSink = std::function<void(std::string_view)>;
 
 //! PNG (3rd edition), packed by all threads in bands of fixed size: the bytes do not depend on the number of threads.
-//! \param pixels  CV_8U or CV_16U, 1 to 4 channels. Written front to back, so that it may go into a pipe.
-void write_png(const cv::Mat& pixels, const ImageMetadata& metadata, const WriteOptions& options, const ByteSink& sink);
+//! \param picture  CV_8U or CV_16U, 1 to 4 channels. Written front to back, so that it may go into a pipe.
+void write_png(const PictureRows& picture, const WriteOptions& options, const ByteSink& sink);
 
 //! The bytes of a whole PNG. \param pixels  as above.
 std::string png_bytes(const cv::Mat& pixels, const WriteOptions& options);

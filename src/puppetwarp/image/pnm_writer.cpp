@@ -1,5 +1,8 @@
 #include <puppetwarp/image/pnm_writer.h>
 
+#include <opencv2/core.hpp>
+
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <string>
@@ -11,11 +14,14 @@ namespace puppetwarp {
 
 namespace {
 
-std::string header(const cv::Mat& pixels, bool colour) {
-    const std::string size = std::to_string(pixels.cols) + " " + std::to_string(pixels.rows) + "\n";
-    if (pixels.depth() == CV_32F)
+constexpr int rows_at_a_time = 256;
+
+std::string header(const PictureRows& picture, bool colour) {
+    const std::string size = std::to_string(picture.width) + " " + std::to_string(picture.height) + "\n";
+    const int depth = CV_MAT_DEPTH(picture.type);
+    if (depth == CV_32F)
         return (colour ? "PF\n" : "Pf\n") + size + (std::endian::native == std::endian::little ? "-1.0\n" : "1.0\n");
-    return (colour ? "P6\n" : "P5\n") + size + (pixels.depth() == CV_8U ? "255\n" : "65535\n");
+    return (colour ? "P6\n" : "P5\n") + size + (depth == CV_8U ? "255\n" : "65535\n");
 }
 
 // One row as in the file: values of several bytes begin with the highest, floats stay as they are in memory.
@@ -34,16 +40,24 @@ void store_row(const cv::Mat& pixels, int y, int copies, std::string& bytes) {
 
 }  // namespace
 
-void write_pnm(const cv::Mat& pixels, std::string_view format, OutputFile& file) {
-    const bool grey = pixels.channels() == 1;
+void write_pnm(const PictureRows& picture, std::string_view format, OutputFile& file) {
+    const bool grey = CV_MAT_CN(picture.type) == 1;
     const int copies = grey && format == "ppm" ? 3 : 1;
-    const bool bottom_up = pixels.depth() == CV_32F;
-    file.write(header(pixels, !grey || copies == 3));
-    std::string row(static_cast<std::size_t>(pixels.cols) * pixels.elemSize() * static_cast<std::size_t>(copies), '\0');
-    for (int y = 0; y < pixels.rows; ++y) {
-        store_row(pixels, bottom_up ? pixels.rows - 1 - y : y, copies, row);
-        file.write(row);
+    file.write(header(picture, !grey || copies == 3));
+    std::string row(
+        static_cast<std::size_t>(picture.width) * CV_ELEM_SIZE(picture.type) * static_cast<std::size_t>(copies), '\0');
+    const auto write_rows = [&](const cv::Mat& rows, bool bottom_up) {
+        for (int y = 0; y < rows.rows; ++y) {
+            store_row(rows, bottom_up ? rows.rows - 1 - y : y, copies, row);
+            file.write(row);
+        }
+    };
+    if (CV_MAT_DEPTH(picture.type) == CV_32F) {
+        write_rows(picture.rows(0, picture.height), true);
+        return;
     }
+    for (int first = 0; first < picture.height; first += rows_at_a_time)
+        write_rows(picture.rows(first, std::min(picture.height, first + rows_at_a_time)), false);
 }
 
 }  // namespace puppetwarp

@@ -2,13 +2,13 @@
 
 #include <puppetwarp/base/output_file.h>
 
-#include <opencv2/core/mat.hpp>
+#include <puppetwarp/image/picture_rows.h>
 
 #include <string_view>
 
 namespace puppetwarp {
 
 //! Portable pixmaps: `pfm` from CV_32F, the others from CV_8U or CV_16U; 1 or 3 channels. Grey into `ppm` becomes RGB.
-void write_pnm(const cv::Mat& pixels, std::string_view format, OutputFile& file);
+void write_pnm(const PictureRows& picture, std::string_view format, OutputFile& file);
 
 }  // namespace puppetwarp

@@ -39,19 +39,22 @@ void VipsOutput::finish(int status) const {
     if (status != 0) throw MachineFault(file_.target().string(), "cannot be written: " + reason);
 }
 
+VipsPixelType vips_pixel_type(int type) {
+    const bool grey = CV_MAT_CN(type) <= 2;
+    switch (CV_MAT_DEPTH(type)) {
+        case CV_8U: return {VIPS_FORMAT_UCHAR, grey ? VIPS_INTERPRETATION_B_W : VIPS_INTERPRETATION_sRGB};
+        case CV_16U: return {VIPS_FORMAT_USHORT, grey ? VIPS_INTERPRETATION_GREY16 : VIPS_INTERPRETATION_RGB16};
+        default: return {VIPS_FORMAT_FLOAT, grey ? VIPS_INTERPRETATION_B_W : VIPS_INTERPRETATION_sRGB};
+    }
+}
+
 VipsImagePtr vips_view(const cv::Mat& pixels) {
     CV_Assert(pixels.isContinuous() && pixels.channels() <= 4);
-    const int depth = pixels.depth();
-    const VipsBandFormat format = depth == CV_8U    ? VIPS_FORMAT_UCHAR
-                                  : depth == CV_16U ? VIPS_FORMAT_USHORT
-                                                    : VIPS_FORMAT_FLOAT;
-    const bool grey = pixels.channels() <= 2;
+    const VipsPixelType type = vips_pixel_type(pixels.type());
     VipsImagePtr image(vips_image_new_from_memory(pixels.data, pixels.total() * pixels.elemSize(), pixels.cols,
-                                                  pixels.rows, pixels.channels(), format));
+                                                  pixels.rows, pixels.channels(), type.format));
     if (!image) throw MachineFault("libvips", "cannot take a picture: " + take_vips_error());
-    // Else savers guess, and bring 16 bits or floats to what they think of them.
-    image->Type = depth == CV_16U ? (grey ? VIPS_INTERPRETATION_GREY16 : VIPS_INTERPRETATION_RGB16)
-                                  : (grey ? VIPS_INTERPRETATION_B_W : VIPS_INTERPRETATION_sRGB);
+    image->Type = type.interpretation;
     return image;
 }
 

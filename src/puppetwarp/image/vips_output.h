@@ -34,6 +34,13 @@ private:
     std::exception_ptr failure_;
 };
 
+//! How libvips calls a matrix's type, CV_8U, CV_16U or CV_32F with 1 to 4 channels.
+struct VipsPixelType {
+    VipsBandFormat format;
+    VipsInterpretation interpretation;  //!< else savers guess, and bring 16 bits or floats to what they think of them
+};
+VipsPixelType vips_pixel_type(int type);
+
 //! The matrix as a picture of libvips, sharing its memory. \param pixels  continuous, 1 to 4 channels of CV_8U, CV_16U,
 //! CV_32F.
 VipsImagePtr vips_view(const cv::Mat& pixels);

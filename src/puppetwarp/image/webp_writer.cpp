@@ -66,8 +66,10 @@ std::string with_metadata(std::string_view pixels_chunk, const cv::Mat& pixels, 
 
 }  // namespace
 
-void write_webp(const cv::Mat& pixels, const ImageMetadata& metadata, const WriteOptions& options, OutputFile& file) {
+void write_webp(const PictureRows& picture, const WriteOptions& options, OutputFile& file) {
     require_vips();
+    cv::Mat pixels = picture.rows(0, picture.height);
+    if (!pixels.isContinuous()) pixels = pixels.clone();
     const std::string name = file.target().string();
     const VipsImagePtr image = vips_view(pixels);
     const int effort = options.compression * 6 / 9;
@@ -75,7 +77,7 @@ void write_webp(const cv::Mat& pixels, const ImageMetadata& metadata, const Writ
         return vips_webpsave_buffer(image.get(), bytes, count, "lossless", TRUE, "effort", effort, "strip", TRUE,
                                     nullptr);
     });
-    file.write(with_metadata(pixel_chunk(webp, name), pixels, metadata));
+    file.write(with_metadata(pixel_chunk(webp, name), pixels, picture.metadata));
 }
 
 }  // namespace puppetwarp

@@ -27,16 +27,17 @@ void require_options(const WriteOptions& options) {
         throw InvalidInput("quality " + std::to_string(options.quality), "is not between 1 and 100");
 }
 
-void require_picture(const Image& image, const std::string& name) {
-    const int depth = image.pixels.depth();
-    if (image.pixels.empty() || image.pixels.channels() > 4 || (depth != CV_8U && depth != CV_16U && depth != CV_32F))
+void require_picture(const PictureRows& picture, const std::string& name) {
+    const int depth = CV_MAT_DEPTH(picture.type);
+    if (picture.width <= 0 || picture.height <= 0 || CV_MAT_CN(picture.type) > 4 ||
+        (depth != CV_8U && depth != CV_16U && depth != CV_32F))
         throw InvalidInput(name, "there is no picture of 1 to 4 channels to write");
 }
 
-void require_side(const Image& image, const FormatTraits& format, const std::string& name) {
-    if (format.max_side_px == 0 || std::max(image.width(), image.height()) <= format.max_side_px) return;
+void require_side(const PictureRows& picture, const FormatTraits& format, const std::string& name) {
+    if (format.max_side_px == 0 || std::max(picture.width, picture.height) <= format.max_side_px) return;
     throw InvalidInput(name,
-                       "the picture has " + std::to_string(image.width()) + " x " + std::to_string(image.height()) +
+                       "the picture has " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
                            " pixels, and " + std::string(format.name) + " ends at " +
                            std::to_string(format.max_side_px),
                        "choose another format");
@@ -45,24 +46,28 @@ void require_side(const Image& image, const FormatTraits& format, const std::str
 }  // namespace
 
 void write_image(const Image& image, const std::filesystem::path& path, const WriteOptions& options) {
+    write_rows(rows_of(image), path, options);
+}
+
+void write_rows(const PictureRows& picture, const std::filesystem::path& path, const WriteOptions& options) {
     const FormatTraits& format = format_traits(output_format(path));
     require_options(options);
-    require_picture(image, path.string());
-    require_side(image, format, path.string());
+    require_picture(picture, path.string());
+    require_side(picture, format, path.string());
     OutputFile file(path);
-    const cv::Mat pixels = fit_to_format(image.pixels, format);
+    const PictureRows fitted = fit_to_format(picture, format);
     if (format.name == "png") {
-        write_png(pixels, image.metadata, options, [&](std::string_view bytes) { file.write(bytes); });
+        write_png(fitted, options, [&](std::string_view bytes) { file.write(bytes); });
     } else if (format.name == "jpeg") {
-        write_jpeg(pixels, image.metadata, options, file);
+        write_jpeg(fitted, options, file);
     } else if (format.name == "tiff") {
-        write_tiff(pixels, image.metadata, options, file);
+        write_tiff(fitted, options, file);
     } else if (format.name == "webp") {
-        write_webp(pixels, image.metadata, options, file);
+        write_webp(fitted, options, file);
     } else if (format.name == "exr") {
-        write_exr(pixels, image.metadata, options, file);
+        write_exr(fitted, options, file);
     } else {
-        write_pnm(pixels, format.name, file);
+        write_pnm(fitted, format.name, file);
     }
     file.commit();
 }

@@ -95,7 +95,12 @@ void write_rows(const DisplacementPlane& plane, const FillRows& displacements, c
     if (exr) {
         write_exr_channels(exr_layout(plane), fill, options, file);
     } else {
-        write_tiff_rows(plane.canvas.width, plane.canvas.height, st_channels, fill, options, file);
+        const auto rows = [&](int first, int last) {
+            cv::Mat made(last - first, plane.canvas.width, CV_32FC(st_channels));
+            fill(first, made);
+            return made;
+        };
+        write_tiff({plane.canvas.width, plane.canvas.height, CV_32FC(st_channels), {}, rows}, options, file);
     }
     file.commit();
     progress.step("write", 1);

@@ -1,0 +1,13 @@
+#include <puppetwarp/image/picture_rows.h>
+
+#include <opencv2/core.hpp>
+
+namespace puppetwarp {
+
+PictureRows rows_of(const Image& image) {
+    const cv::Mat& pixels = image.pixels;
+    return {image.width(), image.height(), pixels.type(), image.metadata,
+            [pixels](int first, int last) { return pixels.rowRange(first, last); }};
+}
+
+}  // namespace puppetwarp

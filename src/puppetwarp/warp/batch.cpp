@@ -55,7 +55,8 @@ bool SampledView::holds(const FaceMap& map) const {
     return map.inside(low, Eigen::Array2d(static_cast<double>(x_end), static_cast<double>(y_end)) - shift - 1);
 }
 
-Batch::Batch(const PixelFormat& format, const PixelOps& ops, StoreMeans store_means, const Source& source, cv::Mat& out)
+Batch::Batch(const PixelFormat& format, const PixelOps& ops, StoreMeans store_means, const Source& source,
+             const CanvasRows& out)
     : format_(format), ops_(ops), store_means_(store_means), source_(source), out_(out) {}
 
 void Batch::copy(const Target& target, std::int64_t x, std::int64_t y) {

@@ -11,6 +11,15 @@
 
 namespace puppetwarp::detail {
 
+//! Consecutive rows of the canvas in memory, that are painted.
+struct CanvasRows {
+    std::uint8_t* pixels;
+    std::size_t step;  //!< bytes from a row to the next
+    int first_row;     //!< of the canvas
+
+    std::uint8_t* row(int row) const { return pixels + step * static_cast<std::size_t>(row - first_row); }
+};
+
 //! A picture as samplers read it; shares its pixels. \param light  for linear light, or null.
 Source source_of(const cv::Mat& pixels, const PixelFormat& format, const LightTables* light);
 
@@ -39,7 +48,8 @@ public:
     static constexpr int capacity = 512;  //!< samples; their buffers stay in the first cache
 
     //! Keeps references. \param out  receives the pixels.
-    Batch(const PixelFormat& format, const PixelOps& ops, StoreMeans store_means, const Source& source, cv::Mat& out);
+    Batch(const PixelFormat& format, const PixelOps& ops, StoreMeans store_means, const Source& source,
+          const CanvasRows& out);
 
     //! Where a span goes.
     struct Target {
@@ -78,8 +88,7 @@ private:
     void fade_strays();
     const void* stored(int slot, int count, int samples_a_pixel, const float* fades);
     std::uint8_t* address(int row, int first) {
-        return out_.data + out_.step[0] * static_cast<std::size_t>(row) +
-               format_.out_bytes() * static_cast<std::size_t>(first);
+        return out_.row(row) + format_.out_bytes() * static_cast<std::size_t>(first);
     }
     void lay(const Target& target, const void* pixels);
 
@@ -87,7 +96,7 @@ private:
     const PixelOps& ops_;
     StoreMeans store_means_;
     const Source& source_;
-    cv::Mat& out_;
+    const CanvasRows out_;
     bool overlaps_ = true;
     const SampledView* view_ = nullptr;
     int used_ = 0;

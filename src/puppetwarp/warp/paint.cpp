@@ -68,7 +68,7 @@ struct Painter::Plan {
 };
 
 Painter::Painter(const Paint& paint, const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Layout& layout,
-                 const WarpOptions& options, Simd simd, cv::Mat& out)
+                 const WarpOptions& options, Simd simd)
     : format_(paint.format),
       rest_(rest),
       moved_(moved),
@@ -80,8 +80,7 @@ Painter::Painter(const Paint& paint, const TriangleMesh& rest, const Eigen::Matr
       samplers_(find_samplers(format_, options.interpolation, paint.light != nullptr, simd)),
       single_(source_of(paint.pixels, format_, paint.light), samplers_.single),
       several_(single_.source, samplers_.several),
-      ops_(find_pixel_ops(format_)),
-      out_(out) {
+      ops_(find_pixel_ops(format_)) {
     find_levels(simd);
 }
 
@@ -251,9 +250,9 @@ Painter::Plan Painter::planned(RowRange band) const {
 }
 
 // Where one span lies over another everything is blended with what is there; else each pixel is written once.
-void Painter::clear(const Strip& strip) const {
+void Painter::clear(const Strip& strip, const CanvasRows& out) const {
     const auto clear_pixels = [&](int row, int first, int last) {
-        std::memset(out_.ptr(row) + format_.out_bytes() * static_cast<std::size_t>(first), 0,
+        std::memset(out.row(row) + format_.out_bytes() * static_cast<std::size_t>(first), 0,
                     format_.out_bytes() * static_cast<std::size_t>(last - first));
     };
     for (int row = strip.rows.first; row < strip.rows.last; ++row) {
@@ -266,7 +265,6 @@ void Painter::clear(const Strip& strip) const {
 }
 
 void Painter::paint_strip(const Plan& plan, const Strip& strip, Batch& batch) const {
-    if (counts_layers_) clear(strip);
     batch.expect_overlaps(strip.overlaps);
     const std::vector<Span>& spans = strip.spans;
     for (std::size_t i = 0; i < spans.size();) {
@@ -286,10 +284,13 @@ void Painter::paint_strip(const Plan& plan, const Strip& strip, Batch& batch) co
     batch.flush();
 }
 
-void Painter::paint(RowRange band) const {
+void Painter::paint(RowRange band, const CanvasRows& out) const {
     const Plan plan = planned(band);
-    Batch batch(format_, ops_, samplers_.store, single_.source, out_);
-    for (const Strip& strip : plan.strips) paint_strip(plan, strip, batch);
+    Batch batch(format_, ops_, samplers_.store, single_.source, out);
+    for (const Strip& strip : plan.strips) {
+        if (counts_layers_) clear(strip, out);
+        paint_strip(plan, strip, batch);
+    }
 }
 
 }  // namespace puppetwarp::detail

@@ -10,10 +10,6 @@
 
 namespace puppetwarp::detail {
 
-//! `warp` with the instruction set chosen: all give the same bytes, and tests check that.
-Image warp_with(Simd simd, const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved,
-                const WarpOptions& options, Progress& progress);
-
 //! What is painted with.
 struct Paint {
     const cv::Mat& pixels;  //!< the source
@@ -31,12 +27,12 @@ struct Layout {
 //! Paints the triangles of a mesh, band by band. Keeps references to what it is made from.
 class Painter {
 public:
-    //! \param out  the canvas' pixels: allocated, of the format's output type.
     Painter(const Paint& paint, const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const Layout& layout,
-            const WarpOptions& options, Simd simd, cv::Mat& out);
+            const WarpOptions& options, Simd simd);
 
     //! Paints rows of the canvas. Different bands may be painted by different threads at a time.
-    void paint(RowRange band) const;
+    //! \param out  of the format's output type, holds these rows.
+    void paint(RowRange band, const CanvasRows& out) const;
 
 private:
     struct Part;
@@ -47,7 +43,7 @@ private:
     void add_triangle(int triangle, Plan& plan) const;
     void add_span(const Part& part, int row, int first, int last, Plan& plan) const;
     void add_border(const BorderPixel& pixel, Plan& plan) const;
-    void clear(const Strip& strip) const;
+    void clear(const Strip& strip, const CanvasRows& out) const;
     void paint_strip(const Plan& plan, const Strip& strip, Batch& batch) const;
     void paint_span(const Plan& plan, const Span& span, Batch& batch) const;
     const SampledView& view_of(const Footprint& shape) const;
@@ -72,7 +68,6 @@ private:
     Pyramid pyramid_;
     std::vector<SampledView> levels_;
     PixelOps ops_;
-    cv::Mat& out_;
 };
 
 }  // namespace puppetwarp::detail

@@ -93,8 +93,7 @@ const Pyramid& PointSampler::pyramid() const {
 
 void PointSampler::alpha(const Run& run, float* alpha) const {
     std::array<unsigned char, longest_run * 4 * sizeof(float)> pixels;
-    cv::Mat row(1, run.count, CV_MAKETYPE(format_.depth, format_.out_channels()), pixels.data());
-    Batch batch(format_, ops_, samplers_.store, source_, row);
+    Batch batch(format_, ops_, samplers_.store, source_, {pixels.data(), 0, 0});
     batch.expect_overlaps(false);
     batch.sample(single_, {0, 0, run.count}, &run, 1);
     batch.flush();

@@ -1,17 +1,12 @@
 #include <puppetwarp/warp/warp.h>
 
 #include <puppetwarp/base/errors.h>
-#include <puppetwarp/base/threads.h>
-#include <puppetwarp/warp/light.h>
-#include <puppetwarp/warp/paint.h>
+#include <puppetwarp/warp/spans.h>
 #include <puppetwarp/warp/warp_input.h>
-
-#include <opencv2/core.hpp>
+#include <puppetwarp/warp/warp_job.h>
 
 #include <array>
-#include <cassert>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 namespace puppetwarp {
@@ -23,44 +18,6 @@ constexpr std::array<std::pair<std::string_view, Interpolation>, 4> interpolatio
      {"bilinear", Interpolation::bilinear},
      {"bicubic", Interpolation::bicubic},
      {"lanczos3", Interpolation::lanczos3}}};
-
-constexpr int band_rows = 64;  // higher bands set triangles up less often, lower ones share out better among threads
-constexpr int pixels_between_reports = 1 << 21;
-
-[[maybe_unused]] bool is_picture(const cv::Mat& pixels) {
-    const int depth = pixels.depth();
-    return !pixels.empty() && pixels.channels() <= 4 && (depth == CV_8U || depth == CV_16U || depth == CV_32F);
-}
-
-void paint_all(const detail::Painter& painter, const Canvas& canvas, Progress& progress) {
-    const int bands = (canvas.height - 1) / band_rows + 1;
-    const auto bands_between_reports =
-        static_cast<int>(std::max<std::int64_t>(2, pixels_between_reports / (std::int64_t{canvas.width} * band_rows)));
-    for (int first = 0; first < bands; first += bands_between_reports) {
-        progress.step("warp", static_cast<double>(first) / bands);
-        parallel_for(first, std::min(bands, first + bands_between_reports), 1, [&](int begin, int end) {
-            const auto row = [&](int band) {
-                return static_cast<int>(std::min<std::int64_t>(std::int64_t{band} * band_rows, canvas.height));
-            };
-            for (int band = begin; band < end; ++band) painter.paint({row(band), row(band + 1)});
-        });
-    }
-    progress.step("warp", 1);
-}
-
-// Takes alpha away when it is full everywhere.
-void drop_full_alpha(cv::Mat& pixels) {
-    const int colours = pixels.channels() - 1;
-    cv::Mat alpha;
-    cv::extractChannel(pixels, alpha, colours);
-    const double full = pixels.depth() == CV_8U ? 255 : pixels.depth() == CV_16U ? 65535 : 1;
-    if (cv::countNonZero(alpha != full) > 0) return;
-    alpha.release();
-    cv::Mat opaque(pixels.size(), CV_MAKETYPE(pixels.depth(), colours));
-    constexpr std::array same{0, 0, 1, 1, 2, 2};
-    cv::mixChannels(&pixels, 1, &opaque, 1, same.data(), static_cast<std::size_t>(colours));
-    pixels = opaque;
-}
 
 }  // namespace
 
@@ -88,35 +45,6 @@ BackFaces back_faces_from_name(std::string_view name) {
     if (name == "hide") return BackFaces::hide;
     if (name == "show") return BackFaces::show;
     throw InvalidInput("back faces '" + std::string(name) + "'", "unknown", "choose hide or show");
-}
-
-Image detail::warp_with(Simd simd, const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved,
-                        const WarpOptions& options, Progress& progress) {
-    assert(is_picture(image.pixels));
-    const WarpInput input = checked_input(rest, moved, options, image.width(), image.height());
-    WarpOptions chosen = options;
-    chosen.canvas = input.canvas;
-    progress.step("warp", 0);
-
-    const SnappedMesh spans(input.rest, input.moved, chosen.canvas, options.back_faces);
-    PixelFormat format{image.pixels.depth(), image.pixels.channels(), false};
-    const std::vector<BorderEdge> edges = border_edges(input.rest.F, spans);
-    const bool smooth = options.interpolation != Interpolation::nearest;
-    const BorderPixels border = smooth ? BorderPixels(input.rest.F, spans, edges, options.frame) : BorderPixels();
-    // How many triangles hold a pixel changes at borders only.
-    const int layers = edges.empty() ? spans.layers_on_first_pixel() : -1;
-    const bool covered = edges.empty() ? layers > 0 : border.empty() && spans.covers_canvas();
-    format.adds_alpha = !image.has_alpha() && !covered;
-
-    Image result{allocate_canvas(chosen.canvas, CV_MAKETYPE(format.depth, format.out_channels())), image.metadata};
-    const bool decodes = options.linear && format.depth != CV_32F;
-    const std::optional<LightTables> light = decodes ? std::optional<LightTables>(image) : std::nullopt;
-    const Painter painter({image.pixels, format, light ? &*light : nullptr}, input.rest, input.moved,
-                          {spans, border, layers == 1}, chosen, simd, result.pixels);
-    paint_all(painter, chosen.canvas, progress);
-    // Folds are borders too, but what lies over or under them may well fill the pixels that they cross.
-    if (format.adds_alpha && !border.empty() && spans.covers_canvas()) drop_full_alpha(result.pixels);
-    return result;
 }
 
 Image warp(const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const WarpOptions& options,

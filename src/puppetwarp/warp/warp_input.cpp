@@ -71,9 +71,7 @@ WarpInput checked_input(const TriangleMesh& rest, const Eigen::MatrixX2d& moved,
     }
     TriangleMesh painted{rest.V.cwiseMax(-farthest_rest_px).cwiseMin(farthest_rest_px), rest.F};
     if (options.depth.size() > 0) painted.F = rest.F(painters_order(rest, options.depth), Eigen::all);
-    return {std::move(painted),
-            moved.cwiseMax(-farthest_moved_px).cwiseMin(farthest_moved_px),
-            chosen};
+    return {std::move(painted), moved.cwiseMax(-farthest_moved_px).cwiseMin(farthest_moved_px), chosen};
 }
 
 cv::Mat allocate_canvas(const Canvas& canvas, int type) {

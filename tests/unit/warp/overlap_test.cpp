@@ -4,7 +4,7 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/threads.h>
-#include <puppetwarp/warp/paint.h>
+#include <puppetwarp/warp/warp_job.h>
 #include <puppetwarp/warp/painters_order.h>
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/threads.h>
-#include <puppetwarp/warp/paint.h>
+#include <puppetwarp/warp/warp_job.h>
 
 #include <gtest/gtest.h>
 

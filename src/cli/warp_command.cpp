@@ -114,6 +114,7 @@ RenderOptions render_options(const WarpRequest& request) {
     options.pin_snap_px = request.pin_snap_px;
     options.weights_cache = request.weights.cache_beside(request.input);
     options.format = output_format(request.output);
+    options.in_rows = request.overlay.empty();
     options.keep_source = !request.displacement.empty() || !request.mesh_out.empty();
     return options;
 }
@@ -139,9 +140,18 @@ void write_files(const WarpRequest& request, const RenderOptions& options, Rende
     if (!request.displacement.empty())
         write_displacement(displacement_of(rendered, options), request.displacement, writing, progress);
     if (!request.mesh_out.empty()) write_moved_mesh(rendered, request.mesh_out);
-    write_image(rendered.image, request.output, writing);
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    rendered.report.timings_ms.emplace_back("write", took.count());
+    if (options.in_rows) {
+        write_rows(rendered.rows, request.output, writing);
+    } else {
+        write_image(rendered.image, request.output, writing);
+    }
+    std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    auto& timings = rendered.report.timings_ms;
+    if (options.in_rows) {
+        timings.back().second += *rendered.rows_ms;  // the warp's
+        took -= std::chrono::duration<double, std::milli>(*rendered.rows_ms);
+    }
+    timings.emplace_back("write", took.count());
 }
 
 int finish(const WarpRequest& request, const RenderReport& report, const GlobalOptions& global) {

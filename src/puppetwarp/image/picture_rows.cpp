@@ -10,4 +10,8 @@ PictureRows rows_of(const Image& image) {
             [pixels](int first, int last) { return pixels.rowRange(first, last); }};
 }
 
+Image whole_picture(const PictureRows& picture) {
+    return {picture.rows(0, picture.height), picture.metadata};
+}
+
 }  // namespace puppetwarp

@@ -22,4 +22,7 @@ struct PictureRows {
 //! The rows of a picture in memory, which are shared, not copied.
 PictureRows rows_of(const Image& image);
 
+//! All rows at once.
+Image whole_picture(const PictureRows& picture);
+
 }  // namespace puppetwarp

@@ -201,9 +201,9 @@ Image cut_subject(const Image& image, const Cutout& cutout, const Background& ba
     return kept ? apply_cutout(image, cutout) : apply_clean_cutout(image, cutout);
 }
 
-Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
-                   const Eigen::MatrixX2d& moved, const Eigen::VectorXd& depth, const RenderOptions& options,
-                   RenderReport& report, Progress& progress) {
+PictureRows draw_subject_rows(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
+                              const Eigen::MatrixX2d& moved, const Eigen::VectorXd& depth, const RenderOptions& options,
+                              RenderReport& report, Progress& progress) {
     const Eigen::MatrixX2d shown = moved * options.scale;
     report.scale = options.scale;
     report.canvas = choose_canvas(options.canvas, image.width(), image.height(), shown, options.scale);
@@ -211,8 +211,14 @@ Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutou
     const WarpOptions how{options.interpolation, report.canvas, options.linear, choose_frame(options, image, shown),
                           puppet.back_faces,     depth};
     const Background background = background_from_name(puppet.background.value_or("transparent"));
-    const Image warped = warp(cut_subject(image, cutout, background), mesh, shown, how, progress);
+    const WarpedRows warped = warp_rows(cut_subject(image, cutout, background), mesh, shown, how, progress);
     return finished_picture(warped, image, cutout, background, options, report, progress);
+}
+
+Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
+                   const Eigen::MatrixX2d& moved, const Eigen::VectorXd& depth, const RenderOptions& options,
+                   RenderReport& report, Progress& progress) {
+    return whole_picture(draw_subject_rows(puppet, image, cutout, mesh, moved, depth, options, report, progress));
 }
 
 Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& options, Progress& progress) {
@@ -235,8 +241,9 @@ Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& opt
     const Eigen::RowVector2d resolution = size.resolution();
     RenderOptions drawing = options;
     drawing.canvas = at_resolution(options.canvas, resolution);
-    rendered.image = draw_subject(puppet, image, cutout, {at(resolution, solved.mesh.V), solved.mesh.F},
-                                  at(resolution, solved.moved), solved.depth, drawing, report, progress);
+    const PictureRows result = draw_subject_rows(puppet, image, cutout, {at(resolution, solved.mesh.V), solved.mesh.F},
+                                                 at(resolution, solved.moved), solved.depth, drawing, report, progress);
+    take_result(result, options, rendered);
     report.scale *= resolution.x();
     if (options.keep_source) {
         rendered.source = apply_cutout(image, cutout);

@@ -4,6 +4,7 @@
 #include <puppetwarp/base/progress.h>
 #include <puppetwarp/cutout/cutout.h>
 #include <puppetwarp/deform/deformer.h>
+#include <puppetwarp/image/picture_rows.h>
 #include <puppetwarp/image/read.h>
 #include <puppetwarp/mesh/distortion.h>
 #include <puppetwarp/mesh/outline.h>
@@ -13,6 +14,7 @@
 #include <puppetwarp/warp/warp.h>
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -64,7 +66,8 @@ struct RenderOptions {
     int automatic_cage = 0;               //!< corners of a cage that is put around the subject; 0: none
     double pin_snap_px = 0;               //!< points at most this far outside the subject are moved onto it
     std::filesystem::path weights_cache;  //!< `weights_cache_path` of the puppet's file, or empty: weights are not kept
-    std::string format;  //!< the file format the result is meant for (`output_format`), or empty: none in particular
+    std::string format;    //!< the file format the result is meant for (`output_format`), or empty: none in particular
+    bool in_rows = false;  //!< fill `Rendered::rows` instead of `Rendered::image`
     bool keep_source = false;  //!< fill `Rendered::source` and `matte`
 };
 
@@ -100,11 +103,14 @@ void describe(const MethodOptions& method, const TriangleMesh& mesh, const Rig& 
 
 struct Rendered {
     Image image;
-    Image source;                         //!< what the mesh was filled from, with `keep_source`: the cut-out picture
-    cv::Mat matte;                        //!< of a cutout that is not the picture's own alpha, with `keep_source`
-    TriangleMesh mesh;                    //!< in image space
-    Eigen::MatrixX2d moved;               //!< #V x 2, in image space
-    Eigen::VectorXd depth;                //!< `vertex_depths` of the pose
+    //! With `in_rows`: what is drawn while it is written, with the progress that `render` was given.
+    PictureRows rows;
+    std::shared_ptr<const double> rows_ms;  //!< with `in_rows`: the time that making rows has taken until now
+    Image source;                           //!< what the mesh was filled from, with `keep_source`: the cut-out picture
+    cv::Mat matte;                          //!< of a cutout that is not the picture's own alpha, with `keep_source`
+    TriangleMesh mesh;                      //!< in image space
+    Eigen::MatrixX2d moved;                 //!< #V x 2, in image space
+    Eigen::VectorXd depth;                  //!< `vertex_depths` of the pose
     BackFaces back_faces = BackFaces::hide;
     Eigen::RowVector2d resolution{1, 1};  //!< pixels of `source` for one of image space, along x and y
     double scale = 1;                     //!< pixels of `image` for one of `source`
@@ -129,6 +135,12 @@ Rendered render_through(const std::filesystem::path& picture, const std::filesys
 //! The subject alone, as it is warped: `apply_clean_cutout`, but `apply_cutout` for the background `keep`, which shows
 //! what was behind: there the rest pose is the picture again.
 Image cut_subject(const Image& image, const Cutout& cutout, const Background& background);
+
+//! `draw_subject` below, as rows that are drawn as they are asked for where nothing asks for all of them before. They
+//! share the pixels of `image`. \param progress  must live as long as they are asked for.
+PictureRows draw_subject_rows(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
+                              const Eigen::MatrixX2d& moved, const Eigen::VectorXd& depth, const RenderOptions& options,
+                              RenderReport& report, Progress& progress);
 
 //! The last arrows alone, for positions that are known already: warp, then background, then what `options.format` asks
 //! for. Fills `canvas`, `scale` and `lost` of the report. Mesh, positions and a given canvas are in pixels of `image`.

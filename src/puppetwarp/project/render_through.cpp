@@ -76,8 +76,9 @@ Rendered render_through(const std::filesystem::path& picture, const std::filesys
     const Image warped =
         warp_through(image, stored.map,
                      {options.interpolation, scales.map.x(), scales.map.y(), report.canvas, options.linear}, progress);
-    rendered.image = finished_picture(warped, image, cut_out(image), background_from_name(background), drawing, report,
-                                      progress);
+    take_result(finished_picture({rows_of(warped), std::nullopt}, image, cut_out(image),
+                                 background_from_name(background), drawing, report, progress),
+                options, rendered);
     timer.end("warp");
     return rendered;
 }

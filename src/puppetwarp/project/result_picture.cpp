@@ -4,8 +4,15 @@
 #include <puppetwarp/cutout/fill_behind.h>
 #include <puppetwarp/image/write.h>
 
+#include <opencv2/core.hpp>
+
+#include <chrono>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace puppetwarp {
 
@@ -23,6 +30,71 @@ Image at_scale(const Image& image, const RenderOptions& options, Progress& progr
     return warp(image, whole, whole.V * options.scale, whole_picture, progress);
 }
 
+// What stands behind the result.
+Image backdrop(const Background& background, const Image& original, const Cutout& cutout, const RenderOptions& options,
+               Progress& progress) {
+    switch (background.kind) {
+        case Background::Kind::inpaint: return at_scale(fill_behind(original, cutout, progress), options, progress);
+        case Background::Kind::keep: return at_scale(original, options, progress);
+        default: return original;
+    }
+}
+
+// A warped picture, on demand or whole, and laid over backgrounds: by rows as long as none has to be looked at.
+class Result {
+public:
+    Result(const WarpedRows& warped, const Image& original, const Cutout& cutout, const RenderOptions& options,
+           const RenderReport& report, Progress& progress)
+        : current_(warped),
+          original_(original),
+          cutout_(cutout),
+          options_(options),
+          canvas_(report.canvas),
+          progress_(progress) {}
+
+    bool has_alpha() const { return CV_MAT_CN(current_.picture.type) % 2 == 0; }
+    const PictureRows& picture() const { return current_.picture; }
+
+    void lay_over(const Background& background) {
+        // Filling has its say on what it is asked for, also where nothing of it would show.
+        if (!has_alpha() && background.kind != Background::Kind::inpaint) return;
+        const Image behind = backdrop(background, original_, cutout_, options_, progress_);
+        const std::optional<PictureRows> rows = rows_over(background, current_, behind, canvas_, options_.linear);
+        if (rows) {
+            // What lies over a background may be open where that is.
+            const bool stays = background.kind == Background::Kind::transparent;
+            current_ = {*rows, stays ? current_.covered : std::nullopt};
+        } else {
+            hold(puppetwarp::lay_over(background, whole(), behind, canvas_, options_.linear));
+        }
+    }
+
+    // What the format cannot hold. Whether alpha counts, only the pixels tell, if there are not some without a doubt.
+    std::vector<std::string> lost() {
+        const PictureRows& rows = current_.picture;
+        const bool sure = format_holds_alpha(options_.format) || !has_alpha() || current_.covered == false;
+        return lost_in_format(sure ? Image{cv::Mat::zeros(1, 1, rows.type), rows.metadata} : whole(), options_.format);
+    }
+
+private:
+    const Image& whole() {
+        if (whole_.pixels.empty()) hold(whole_picture(current_.picture));
+        return whole_;
+    }
+    void hold(Image image) {
+        whole_ = std::move(image);
+        current_ = {rows_of(whole_), std::nullopt};
+    }
+
+    WarpedRows current_;
+    Image whole_;  // the same in memory, or nothing
+    const Image& original_;
+    const Cutout& cutout_;
+    const RenderOptions& options_;
+    const Canvas canvas_;
+    Progress& progress_;
+};
+
 }  // namespace
 
 void require_scale(double scale) {
@@ -39,27 +111,33 @@ void require_result_size(const Canvas& canvas, std::int64_t max_pixels) {
     }
 }
 
-Image finished_picture(const Image& warped, const Image& original, const Cutout& cutout,
-                       const Background& background, const RenderOptions& options, RenderReport& report,
-                       Progress& progress) {
-    const auto laid_over = [&](const Background& behind, const Image& front) {
-        using Kind = Background::Kind;
-        if (behind.kind == Kind::inpaint) {
-            const Image filled = at_scale(fill_behind(original, cutout, progress), options, progress);
-            return lay_over(behind, front, filled, report.canvas, options.linear);
-        }
-        const bool shows_original = behind.kind == Kind::keep && front.has_alpha();
-        return lay_over(behind, front, shows_original ? at_scale(original, options, progress) : original,
-                        report.canvas, options.linear);
-    };
-    Image result = laid_over(background, warped);
-    if (options.format.empty()) return result;
+PictureRows finished_picture(const WarpedRows& warped, const Image& original, const Cutout& cutout,
+                             const Background& background, const RenderOptions& options, RenderReport& report,
+                             Progress& progress) {
+    Result result(warped, original, cutout, options, report, progress);
+    result.lay_over(background);
+    if (options.format.empty()) return result.picture();
 
-    report.lost = lost_in_format(result, options.format);
-    if (result.has_alpha() && !format_holds_alpha(options.format)) {
-        result = laid_over({cutout.whole ? Background::Kind::keep : Background::Kind::colour, {1, 1, 1, 1}}, result);
+    report.lost = result.lost();
+    if (result.has_alpha() && !format_holds_alpha(options.format))
+        result.lay_over({cutout.whole ? Background::Kind::keep : Background::Kind::colour, {1, 1, 1, 1}});
+    return result.picture();
+}
+
+void take_result(const PictureRows& result, const RenderOptions& options, Rendered& rendered) {
+    if (options.in_rows) {
+        const auto spent_ms = std::make_shared<double>(0);
+        rendered.rows = result;
+        rendered.rows_ms = spent_ms;
+        rendered.rows.rows = [rows = result.rows, spent_ms](int first, int last) {
+            const auto start = std::chrono::steady_clock::now();
+            cv::Mat made = rows(first, last);
+            *spent_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+            return made;
+        };
+    } else {
+        rendered.image = whole_picture(result);
     }
-    return result;
 }
 
 }  // namespace puppetwarp

@@ -2,6 +2,7 @@
 
 #include <puppetwarp/project/pipeline.h>
 #include <puppetwarp/warp/background.h>
+#include <puppetwarp/warp/warp_rows.h>
 
 namespace puppetwarp {
 
@@ -18,8 +19,12 @@ void require_result_size(const Canvas& canvas, std::int64_t max_pixels);
 //! \param original  the picture before the warp; `options.scale` is what `warped` shows of it.
 //! \param cutout    what of it was drawn.
 //! \param report    its canvas is `warped`'s; `lost` is filled.
-Image finished_picture(const Image& warped, const Image& original, const Cutout& cutout,
-                       const Background& background, const RenderOptions& options, RenderReport& report,
-                       Progress& progress);
+//! \return  rows that are made as they are asked for, where nothing asks for all of them before.
+PictureRows finished_picture(const WarpedRows& warped, const Image& original, const Cutout& cutout,
+                             const Background& background, const RenderOptions& options, RenderReport& report,
+                             Progress& progress);
+
+//! Rows of the result, or all of them at once, as `options` want it.
+void take_result(const PictureRows& result, const RenderOptions& options, Rendered& rendered);
 
 }  // namespace puppetwarp

@@ -75,11 +75,11 @@ template <class T>
 class Layers {
 public:
     //! \param light  for linear light, or null.
-    Layers(const Background& background, const Image& warped, const Image& original, const Canvas& canvas,
+    Layers(const Background& background, const cv::Mat& warped, const cv::Mat& original, const Canvas& canvas,
            const detail::LightTables* light)
         : kept_(background.kind == Background::Kind::keep || background.kind == Background::Kind::inpaint),
-          warped_(warped.pixels),
-          original_(original.pixels),
+          warped_(warped),
+          original_(original),
           canvas_(canvas),
           light_(light) {
         const auto& rgba = background.rgba;
@@ -178,15 +178,37 @@ private:
     Colour flat_;
 };
 
-template <class T>
-cv::Mat laid_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas,
-                  bool linear) {
-    const bool decodes = linear && !std::is_floating_point_v<T>;
-    const auto light = decodes ? std::make_unique<detail::LightTables>(original) : nullptr;
-    const Layers<T> layers(background, warped, original, canvas, light.get());
-    const bool with_alpha = original.has_alpha() || !layers.opaque();
-    if (with_alpha && background.kind == Background::Kind::transparent) return warped.pixels;
-    return layers.flattened(with_alpha);
+using Light = std::unique_ptr<const detail::LightTables>;
+
+Light light_of(const Image& image, bool linear) {
+    return linear && image.pixels.depth() != CV_32F ? std::make_unique<detail::LightTables>(image) : nullptr;
+}
+
+// Calls `work` with the layers.
+template <class Work>
+auto with_layers(const Background& background, const cv::Mat& warped, const cv::Mat& original, const Canvas& canvas,
+                 const detail::LightTables* light, const Work& work) {
+    switch (warped.depth()) {
+        case CV_8U: return work(Layers<std::uint8_t>(background, warped, original, canvas, light));
+        case CV_16U: return work(Layers<std::uint16_t>(background, warped, original, canvas, light));
+        default: return work(Layers<float>(background, warped, original, canvas, light));
+    }
+}
+
+bool holds(const Image& image, const Canvas& canvas) {
+    return canvas.x >= 0 && canvas.y >= 0 && canvas.width <= image.width() - canvas.x &&
+           canvas.height <= image.height() - canvas.y;
+}
+
+// Whether the result of laying something with alpha over a background has alpha, if that is known without its pixels.
+std::optional<bool> has_alpha_over(const Background& background, std::optional<bool> covered, const Image& original,
+                                   const Canvas& canvas) {
+    if (original.has_alpha()) return true;
+    switch (background.kind) {
+        case Background::Kind::transparent: return covered == false ? std::optional(true) : std::nullopt;
+        case Background::Kind::colour: return background.rgba[3] >= 1 ? std::optional(false) : std::nullopt;
+        default: return holds(original, canvas) ? std::optional(false) : std::nullopt;
+    }
 }
 
 }  // namespace
@@ -215,11 +237,34 @@ Background background_from_name(std::string_view name) {
 Image lay_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas,
                bool linear) {
     if (!warped.has_alpha()) return warped;
-    switch (warped.pixels.depth()) {
-        case CV_8U: return {laid_over<std::uint8_t>(background, warped, original, canvas, linear), warped.metadata};
-        case CV_16U: return {laid_over<std::uint16_t>(background, warped, original, canvas, linear), warped.metadata};
-        default: return {laid_over<float>(background, warped, original, canvas, linear), warped.metadata};
-    }
+    const Light light = light_of(original, linear);
+    const auto lay = [&](const auto& layers) {
+        const bool with_alpha = original.has_alpha() || !layers.opaque();
+        if (with_alpha && background.kind == Background::Kind::transparent) return warped.pixels;
+        return layers.flattened(with_alpha);
+    };
+    return {with_layers(background, warped.pixels, original.pixels, canvas, light.get(), lay), warped.metadata};
+}
+
+std::optional<PictureRows> rows_over(const Background& background, const WarpedRows& warped, const Image& original,
+                                     const Canvas& canvas, bool linear) {
+    const int channels = CV_MAT_CN(warped.picture.type);
+    if (channels % 2 != 0) return warped.picture;
+    const std::optional<bool> with_alpha = has_alpha_over(background, warped.covered, original, canvas);
+    if (!with_alpha) return std::nullopt;
+    if (*with_alpha && background.kind == Background::Kind::transparent) return warped.picture;
+    PictureRows result = warped.picture;
+    result.type = CV_MAKETYPE(CV_MAT_DEPTH(result.type), *with_alpha ? channels : channels - 1);
+    const std::shared_ptr<const detail::LightTables> light = light_of(original, linear);
+    const bool shown = background.kind == Background::Kind::keep || background.kind == Background::Kind::inpaint;
+    result.rows = [=, alpha = *with_alpha, front = warped.picture.rows, back = shown ? original.pixels : cv::Mat()](
+                      int first, int last) {
+        const cv::Mat rows = front(first, last);
+        const Canvas place{canvas.x, canvas.y + first, canvas.width, last - first};
+        return with_layers(background, rows, back, place, light.get(),
+                           [&](const auto& layers) { return layers.flattened(alpha); });
+    };
+    return result;
 }
 
 }  // namespace puppetwarp

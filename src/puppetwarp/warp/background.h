@@ -2,8 +2,10 @@
 
 #include <puppetwarp/base/image.h>
 #include <puppetwarp/warp/warp.h>
+#include <puppetwarp/warp/warp_rows.h>
 
 #include <array>
+#include <optional>
 #include <string_view>
 
 namespace puppetwarp {
@@ -31,5 +33,9 @@ Background background_from_name(std::string_view name);
 //! The result has alpha when `original` has, or when some pixel does not end up opaque.
 Image lay_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas,
                bool linear = false);
+
+//! The same as rows on demand; none where only the pixels tell whether the result has alpha.
+std::optional<PictureRows> rows_over(const Background& background, const WarpedRows& warped, const Image& original,
+                                     const Canvas& canvas, bool linear = false);
 
 }  // namespace puppetwarp

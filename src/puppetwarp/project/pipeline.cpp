@@ -198,6 +198,7 @@ Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutou
                    Progress& progress) {
     const Eigen::MatrixX2d shown = moved * options.scale;
     report.scale = options.scale;
+    report.max_magnification = largest_magnification(mesh, shown);
     report.canvas = choose_canvas(options.canvas, image.width(), image.height(), shown, options.scale);
     require_result_size(report.canvas, options.read.max_pixels);
     const Image warped =

@@ -63,6 +63,36 @@ TEST(WarpQuality, ShrunkZonePlatesHaveNoMoire) {
     }
 }
 
+// v = a x + b y + c, of which the square of a pixel shows the value in its middle.
+TEST(WarpQuality, RampsStayOnTheirPlaneWhereThePictureShrinks) {
+    Random random(64);
+    const auto value = [](double x, double y) { return 12 + 0.4 * x + 0.17 * y; };
+    cv::Mat bytes(400, 400, CV_8UC1), words(400, 400, CV_16UC1);
+    for (int y = 0; y < 400; ++y) {
+        for (int x = 0; x < 400; ++x) {
+            bytes.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(std::lround(value(x + 0.5, y + 0.5)));
+            words.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(std::lround(200 * value(x + 0.5, y + 0.5)));
+        }
+    }
+    const TriangleMesh rest = grid_mesh(0, 0, 400, 400, 3, 3, random);
+    for (const Interpolation interpolation : filters) {
+        for (const double factor : {0.37, 1.6, 2.7, 5.3, 9.1, 21.0}) {
+            const int side = static_cast<int>(400 / factor);
+            const int margin = static_cast<int>(std::ceil(40 / factor));
+            const WarpOptions options{interpolation, {0, 0, side, side}};
+            const Image eight = warp({bytes, {}}, rest, rest.V / factor, options);
+            const Image sixteen = warp({words, {}}, rest, rest.V / factor, options);
+            for (int y = margin; y < side - margin; ++y) {
+                for (int x = margin; x < side - margin; ++x) {
+                    const double expected = value((x + 0.5) * factor, (y + 0.5) * factor);
+                    ASSERT_NEAR(value_at(eight, x, y, 0), expected, 1) << factor;
+                    ASSERT_NEAR(value_at(sixteen, x, y, 0), 200 * expected, 1) << factor;
+                }
+            }
+        }
+    }
+}
+
 double contrast(const cv::Mat& picture) {
     double sum = 0, squares = 0;
     for (int y = 2; y < picture.rows - 2; ++y) {

@@ -127,9 +127,9 @@ TEST_P(ThroughFormats, ShrinkingTakesTheSamplesOfTheWarp) {
     Random random(43);
     const Image image = random_image(90, 70, GetParam(), random, Alpha::opaque);
     const TriangleMesh rest = grid_mesh(0, 0, 90, 70, 1, 1, random);
-    for (const double scale : {0.6, 0.45, 0.3}) {
+    for (const double scale : {0.6, 0.45, 0.3, 0.09}) {
         const Canvas canvas = scaled_canvas({0, 0, 90, 70}, scale, scale);
-        const WarpOptions options{Interpolation::bicubic, canvas};
+        const WarpOptions options{Interpolation::bicubic, canvas, false, scaled_frame({0, 0, 90, 70}, scale)};
         const DisplacementMap map = displacement_map(image, rest, rest.V * scale, options, scale);
         const double level = image.pixels.depth() == CV_8U ? 1 : image.pixels.depth() == CV_16U ? 16 : 2e-4;
         EXPECT_LE(largest_difference(warp(image, rest, rest.V * scale, options),

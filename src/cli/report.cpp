@@ -63,6 +63,7 @@ Json report_json(const RenderReport& report, bool with_canvas) {
         const Canvas& canvas = report.canvas;
         json["canvas"] = {{"x", canvas.x}, {"y", canvas.y}, {"width", canvas.width}, {"height", canvas.height}};
         json["scale"] = report.scale;
+        of_deformation("max_magnification", finite(report.max_magnification));
         json["lost"] = report.lost;
     }
     json["timings_ms"] = Json::object();

@@ -156,7 +156,11 @@ void write_files(const WarpRequest& request, const RenderOptions& options, Rende
 
 int finish(const WarpRequest& request, const RenderReport& report, const GlobalOptions& global) {
     request.report.emit(report_json(report, true));
-    if (global.verbose) print_timings(report);
+    if (global.verbose) {
+        print_timings(report);
+        if (report.max_magnification > 0)
+            std::fprintf(stderr, "magnified at most %.2f times\n", report.max_magnification);
+    }
     return request.gates.hold(report.distortion) ? done : answer_is_no;
 }
 

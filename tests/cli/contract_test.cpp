@@ -120,9 +120,10 @@ TEST_F(Contract, ReportHasItsFields) {
     ASSERT_EQ(result.exit_code, 0) << result.errors;
     const Json report = Json::parse(result.output);
     EXPECT_EQ(Json::parse(bytes_of(folder / "report.json"))["energy"], report["energy"]);
-    for (const char* key : {"method", "vertices", "triangles", "handles", "iterations", "converged", "energy",
-                            "energy_history", "flipped_triangles", "max_stretch", "max_area_ratio",
-                            "max_handle_error_px", "warnings", "canvas", "timings_ms", "peak_memory_mb"}) {
+    for (const char* key :
+         {"method", "vertices", "triangles", "handles", "iterations", "converged", "energy", "energy_history",
+          "flipped_triangles", "max_stretch", "max_area_ratio", "max_handle_error_px", "warnings", "canvas", "scale",
+          "max_magnification", "lost", "timings_ms", "peak_memory_mb"}) {
         EXPECT_TRUE(report.contains(key)) << key;
     }
     for (const char* key : {"read", "cutout", "triangulate", "bind", "deform", "warp", "write"}) {
@@ -131,6 +132,45 @@ TEST_F(Contract, ReportHasItsFields) {
     EXPECT_EQ(report["method"], "arap");
     EXPECT_EQ(report["handles"], 2);
     EXPECT_EQ(report["energy_history"].back(), report["energy"]);
+}
+
+TEST_F(Contract, LargestMagnificationIsTold) {
+    write_image(disc_picture(100, 100), folder / "in.png");
+    const auto told = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> arguments{"-v",     "warp",   folder / "in.png", "-o", folder / "out.png",
+                                           "--json", "--force"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const CommandResult result = run(arguments);
+        EXPECT_EQ(result.exit_code, 0) << result.errors;
+        EXPECT_THAT(result.errors, testing::HasSubstr("magnified at most "));
+        return Json::parse(result.output)["max_magnification"].get<double>();
+    };
+    EXPECT_NEAR(told({"--pin", "50,50"}), 1, 1e-6);
+    EXPECT_NEAR(told({"--pin", "50,50", "--scale", "2.5"}), 2.5, 1e-5);
+    const double pulled = told({"--pin", "30,50", "--pin", "70,50:90,50"});
+    EXPECT_GT(pulled, 1.3);
+    EXPECT_NEAR(told({"--pin", "30,50", "--pin", "70,50:90,50", "--scale", "0.5"}), pulled / 2, 1e-6);
+}
+
+TEST_F(Contract, WarpsInLinearLight) {
+    // Black and white squares of a pixel, shrunk: half of the light, which is sRGB's 188.
+    Image squares{cv::Mat(80, 80, CV_8UC3), {}};
+    for (int i = 0; i < 80 * 80; ++i) {
+        const int value = (i / 80 + i % 80) % 2 * 255;
+        squares.pixels.at<cv::Vec3b>(i / 80, i % 80) = {
+            static_cast<std::uint8_t>(value), static_cast<std::uint8_t>(value), static_cast<std::uint8_t>(value)};
+    }
+    write_image(squares, folder / "in.png");
+    const auto middle = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> arguments{"warp", folder / "in.png", "--pin", "40,40", "--scale", "0.25",
+                                           "-o",   folder / "out.png"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        EXPECT_EQ(run(arguments).exit_code, 0);
+        return static_cast<int>(read_image(folder / "out.png").pixels.at<cv::Vec3b>(10, 10)[1]);
+    };
+    EXPECT_NEAR(middle({}), 128, 1);
+    EXPECT_NEAR(middle({"--linear"}), 188, 1);
+    EXPECT_NEAR(middle({"--linear", "--interpolation", "lanczos3"}), 188, 1);
 }
 
 TEST_F(Contract, NotConvergingIsSaid) {

@@ -48,6 +48,16 @@ Distortion measure_distortion(const TriangleMesh& rest, const Eigen::MatrixX2d& 
     return distortion;
 }
 
+double largest_magnification(const TriangleMesh& rest, const Eigen::MatrixX2d& moved) {
+    assert(moved.rows() == rest.V.rows());
+    double largest = 0;
+    for (Eigen::Index t = 0; t < rest.F.rows(); ++t) {
+        const Eigen::Matrix2d J = map_of(rest, moved, t);
+        if (J.determinant() > 0) largest = std::max(largest, largest_singular_value(J));
+    }
+    return largest;
+}
+
 Eigen::MatrixX2d principal_stretches(const TriangleMesh& rest, const Eigen::MatrixX2d& moved) {
     assert(moved.rows() == rest.V.rows());
     Eigen::MatrixX2d stretches(rest.F.rows(), 2);

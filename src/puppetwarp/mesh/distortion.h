@@ -20,4 +20,9 @@ Distortion measure_distortion(const TriangleMesh& rest, const Eigen::MatrixX2d& 
 //!         moved / rest area.
 Eigen::MatrixX2d principal_stretches(const TriangleMesh& rest, const Eigen::MatrixX2d& moved);
 
+//! The most pixels that a pixel becomes along any direction: the largest singular value of any triangle's map, of those
+//! that keep their orientation. 0 when there are none.
+//! \param moved  #V x 2 positions in the result.
+double largest_magnification(const TriangleMesh& rest, const Eigen::MatrixX2d& moved);
+
 }  // namespace puppetwarp

@@ -206,6 +206,7 @@ PictureRows draw_subject_rows(const Puppet& puppet, const Image& image, const Cu
                               RenderReport& report, Progress& progress) {
     const Eigen::MatrixX2d shown = moved * options.scale;
     report.scale = options.scale;
+    report.max_magnification = largest_magnification(mesh, shown);
     report.canvas = choose_canvas(options.canvas, image.width(), image.height(), shown, options.scale);
     require_result_size(report.canvas, options.read.max_pixels);
     const WarpOptions how{options.interpolation, report.canvas, options.linear, choose_frame(options, image, shown),

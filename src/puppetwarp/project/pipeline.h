@@ -84,8 +84,10 @@ struct RenderReport {
     std::vector<double> energy_history;
     Distortion distortion;
     double max_handle_error_px = 0;
-    Canvas canvas;                                           //!< pixels of the result
-    double scale = 1;                                        //!< pixels of the result for one of image space
+    Canvas canvas;     //!< pixels of the result
+    double scale = 1;  //!< pixels of the result for one of image space
+    //! Pixels of the result for one of the picture, at most: `largest_magnification`. 0: unknown.
+    double max_magnification = 0;
     std::vector<std::string> warnings;                       //!< the method's, one sentence each
     std::vector<std::string> lost;                           //!< what `format` cannot hold, as phrases
     std::vector<std::pair<std::string, double>> timings_ms;  //!< stages in their order
@@ -143,7 +145,8 @@ PictureRows draw_subject_rows(const Puppet& puppet, const Image& image, const Cu
                               RenderReport& report, Progress& progress);
 
 //! The last arrows alone, for positions that are known already: warp, then background, then what `options.format` asks
-//! for. Fills `canvas`, `scale` and `lost` of the report. Mesh, positions and a given canvas are in pixels of `image`.
+//! for. Fills `canvas`, `scale`, `max_magnification` and `lost` of the report. Mesh, positions and a given canvas are
+//! in pixels of `image`.
 //! \param depth  `vertex_depths` of the pose.
 Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
                    const Eigen::MatrixX2d& moved, const Eigen::VectorXd& depth, const RenderOptions& options,

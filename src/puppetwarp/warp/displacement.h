@@ -83,11 +83,10 @@ struct ThroughMapOptions {
 //!
 //! Places are taken as shares of the source's size, so that a map made on another resolution of the picture serves too.
 //! Sampling is that of `warp`; where the map, judged by its neighbouring pixels, shrinks by more than 1.5, a pixel is
-//! the mean of up to 4 x 4 samples. Places more than half a pixel outside of the picture show nothing, nor do pixels
-//! beyond the map. At a magnification other than 1 the map is interpolated bilinearly, but not across tears, where one
-//! part lies over another: there each side goes on along its own slope.
-//! What `displacement_map` gives of a whole-pixel move copies pixels; away from edges of triangles, 8-bit pictures come
-//! out within one level of `warp`.
+//! the mean of several samples, as there. Places more than half a pixel outside of the picture show nothing, nor do
+//! pixels beyond the map. At a magnification other than 1 the map is interpolated bilinearly, but not across tears,
+//! where one part lies over another: there each side goes on along its own slope. What `displacement_map` gives of a
+//! whole-pixel move copies pixels; away from edges of triangles, 8-bit pictures come out within one level of `warp`.
 //! \throw InvalidInput  a map of no size, a canvas as for `warp`.   \throw MachineFault, Cancelled  as `warp`.
 Image warp_through(const Image& image, const DisplacementMap& map, const ThroughMapOptions& options,
                    Progress& progress);

@@ -8,7 +8,7 @@ namespace puppetwarp::detail {
 
 namespace {
 
-constexpr int most_a_row = 4;
+constexpr int most_a_row = 8;
 constexpr double farthest_step = 1 << 14;
 
 struct Comb {
@@ -21,8 +21,12 @@ double filter_variance(Interpolation interpolation) {
     return interpolation == Interpolation::bilinear ? 2 : 0;
 }
 
+double spared_variance(Interpolation interpolation) {
+    return interpolation == Interpolation::bilinear ? 1.7 : interpolation == Interpolation::bicubic ? 0.4 : 0;
+}
+
 double added_variance(double a, Interpolation interpolation) {
-    const double less = interpolation == Interpolation::bilinear ? 1 : 0;
+    const double less = spared_variance(interpolation);
     if (a >= 2) return a * a - less;
     constexpr double limit = single_sample_limit * single_sample_limit;
     return std::max(0.0, (a * a - limit) / (4 - limit)) * (4 - less);

@@ -43,12 +43,13 @@ LightTables::LightTables(const Image& image)
 
 int LightTables::encode(int channel, float light) const {
     const Curve& tone = curve(channel);
-    const auto bucket = static_cast<std::size_t>(std::clamp(light, 0.0F, full_) * buckets_a_unit_);
+    const float shown = light > 0 ? std::min(light, full_) : 0;  // not a number: as nothing
+    const auto bucket = static_cast<std::size_t>(shown * buckets_a_unit_);
     const float* limits = tone.limits.data();
     // A bucket more on either side: the product was rounded.
     const float* first = limits + tone.buckets[bucket > 0 ? bucket - 1 : 0];
     const float* last = limits + tone.buckets[std::min<std::size_t>(bucket + 2, bucket_count)];
-    return static_cast<int>(std::upper_bound(first, last, light) - limits);
+    return static_cast<int>(std::upper_bound(first, last, shown) - limits);
 }
 
 }  // namespace puppetwarp::detail

@@ -151,7 +151,7 @@ void Painter::sample(const Part& part, double x, double y, const Batch::Target& 
     const Footprint& shape = part.footprint;
     const SampledView& view = view_of(shape);
     const int samples = shape.samples();
-    const int longest = samples == 1 ? target.count : Batch::capacity / most_samples;
+    const int longest = Batch::capacity / samples;
     std::array<Run, most_samples> runs;
     for (int done = 0; done < target.count; done += longest) {
         const int count = std::min(longest, target.count - done);

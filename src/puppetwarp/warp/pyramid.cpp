@@ -10,7 +10,7 @@ namespace puppetwarp::detail {
 namespace {
 
 constexpr int band_rows = 32;
-constexpr int filter_reach = 12;  // pixels of a level: half a pixel of the output, and a filter's taps
+constexpr int filter_reach = 36;  // pixels of a level: half a pixel of the output, and a filter's taps
 
 // Two rows become one of half the length. Where there is no second pixel the first one counts twice.
 void halve(const float* upper, const float* lower, int width, int channels, float* out) {

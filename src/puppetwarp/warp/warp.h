@@ -52,7 +52,7 @@ struct WarpOptions {
 //! premultiplied; where a triangle moves by whole pixels its pixels are copied. Pixels that no triangle covers are
 //! transparent: the output has alpha when the input has, or when some output pixel is uncovered.
 //! Beyond its border a picture without alpha repeats its outermost pixels; one with alpha fades out over half a pixel.
-//! Where a triangle shrinks by more than 1.5, a pixel is the mean of up to 16 samples, above a factor of about 4 of
+//! Where a triangle shrinks by more than 1.5, a pixel is the mean of up to 64 samples, above a factor of about 8 of
 //! samples of a pyramid. Pixels that the border of the mesh crosses are as opaque as it covers them, but for triangles
 //! that move by whole pixels. (Neither for `nearest`.)
 //! The same bytes for any number of threads.

@@ -5,6 +5,7 @@
 #include <puppetwarp/mesh/operators.h>
 
 #include <gmock/gmock.h>
+#include <Eigen/SVD>
 
 #include <cmath>
 #include <limits>
@@ -98,6 +99,16 @@ TEST(Distortion, KnowsRotationScaleAndShear) {
     EXPECT_NEAR(d.max_area_ratio, 2, 1e-12);
     J << 1, 1, 0, 1;  // singular values are the golden ratio and its inverse
     EXPECT_NEAR(measure_distortion(mesh, mesh.V * J.transpose()).max_stretch, (1 + std::sqrt(5.0)) / 2, 1e-13);
+}
+
+TEST(Distortion, LargestMagnificationPassesOverFoldedTriangles) {
+    const TriangleMesh mesh = reference::grid(4, 3, 4, 3, 0.2);
+    Eigen::Matrix2d J;
+    J << 3, 1, 0, 0.5;
+    Eigen::JacobiSVD<Eigen::Matrix2d> svd(J);
+    EXPECT_NEAR(largest_magnification(mesh, mesh.V * J.transpose()), svd.singularValues()[0], 1e-12);
+    J << 3, 1, 0, -0.5;
+    EXPECT_EQ(largest_magnification(mesh, mesh.V * J.transpose()), 0);
 }
 
 TEST(Distortion, CountsFlippedAndCollapsedTriangles) {

@@ -32,8 +32,8 @@ public:
         }
     }
 
-    //! Premultiplied, alpha in [0, 1], colour in the picture's numbers. [4] is set where an edge passes too near for
-    //! floating point to decide, and in pixels that the mesh may cover in part.
+    //! Premultiplied, alpha in [0, 1], colour in the picture's numbers or as light. [4] is set where an edge passes too
+    //! near for floating point to decide, and in pixels that the mesh may cover in part.
     Premultiplied at(int column, int row) const {
         const double x = options_.canvas.x + column + 0.5, y = options_.canvas.y + row + 0.5;
         Premultiplied below{};
@@ -55,6 +55,13 @@ public:
             below[4] = std::max(front[4], ambiguous);
         }
         return below;
+    }
+
+    //! The number that is stored for a blended one.
+    double stored(double blended) const {
+        if (!decodes()) return blended;
+        const double x = blended / image_.full_value();
+        return image_.full_value() * (x <= 0.0031308 ? x * 12.92 : 1.055 * std::pow(x, 1 / 2.4) - 0.055);
     }
 
 private:
@@ -110,7 +117,7 @@ private:
         const Eigen::Matrix2d J = B * A.inverse();
         const Comb x = comb(J.col(0).norm()), y = comb(J.col(1).norm());
         Premultiplied mean{};
-        if (x.samples * y.samples > 16) return {0, 0, 0, 0, 1};  // the pyramid's: tested against averages
+        if (x.samples * y.samples > 64) return {0, 0, 0, 0, 1};  // the pyramid's: tested against averages
         for (int j = 0; j < y.samples; ++j) {
             for (int i = 0; i < x.samples; ++i) {
                 const Eigen::Vector2d q = p + Eigen::Vector2d((i - (x.samples - 1) / 2.0) * x.distance,
@@ -122,7 +129,7 @@ private:
         return within_range(mean, mean[4]);
     }
 
-    // Samples along one axis, for a step of `a` source pixels: as footprint.h has it, up to 4.
+    // Samples along one axis, for a step of `a` source pixels: as footprint.h has it, up to 8.
     struct Comb {
         int samples;
         double distance;
@@ -130,7 +137,9 @@ private:
     Comb comb(double a) const {
         if (a <= 1.5 || options_.interpolation == Interpolation::nearest) return {1, 0};
         const int n = static_cast<int>(std::ceil(a - 1e-9));
-        const double less = options_.interpolation == Interpolation::bilinear ? 1 : 0;
+        const double less = options_.interpolation == Interpolation::bilinear  ? 1.7
+                            : options_.interpolation == Interpolation::bicubic ? 0.4
+                                                                               : 0;
         const double variance = a >= 2 ? a * a - less : (a * a - 2.25) / 1.75 * (4 - less);
         return {n, std::sqrt(variance / (n * n - 1)) / a};
     }
@@ -141,8 +150,19 @@ private:
         Premultiplied result{};
         const int channels = image_.pixels.channels(), colours = channels <= 2 ? 1 : 3;
         result[3] = image_.has_alpha() ? value_at(image_, x, y, channels - 1) / image_.full_value() : 1;
-        for (int c = 0; c < colours; ++c) result[static_cast<std::size_t>(c)] = value_at(image_, x, y, c) * result[3];
+        for (int c = 0; c < colours; ++c) {
+            result[static_cast<std::size_t>(c)] = blended(value_at(image_, x, y, c)) * result[3];
+        }
         return result;
+    }
+
+    bool decodes() const { return options_.linear && image_.pixels.depth() != CV_32F; }
+
+    // The number that is blended for a stored one: itself, or by sRGB's curve.
+    double blended(double stored) const {
+        if (!decodes()) return stored;
+        const double x = stored / image_.full_value();
+        return image_.full_value() * (x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
     }
 
     // Weights of the six pixels from x - 2 on, for a position `f` right of pixel x.

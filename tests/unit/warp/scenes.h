@@ -4,11 +4,14 @@
 #include <puppetwarp/mesh/triangle_mesh.h>
 #include <puppetwarp/warp/warp.h>
 
+#include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
 #include <cstdint>
 #include <cstring>
 #include <random>
+#include <string>
+#include <vector>
 
 // Pictures, meshes and deformations that the tests of the warp draw at random.
 namespace puppetwarp::testing {
@@ -17,6 +20,17 @@ using Random = std::mt19937_64;
 
 inline double uniform(Random& random, double low, double high) {
     return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+}
+
+constexpr Interpolation all_interpolations[] = {Interpolation::nearest, Interpolation::bilinear, Interpolation::bicubic,
+                                                Interpolation::lanczos3};
+inline const std::vector<int> all_types{CV_8UC1,  CV_8UC2,  CV_8UC3,  CV_8UC4,  CV_16UC1, CV_16UC2,
+                                        CV_16UC3, CV_16UC4, CV_32FC1, CV_32FC2, CV_32FC3, CV_32FC4};
+
+//! For test suites over formats.
+inline std::string format_name(const ::testing::TestParamInfo<int>& format) {
+    const int depth = CV_MAT_DEPTH(format.param);
+    return (depth == CV_8U ? "U8C" : depth == CV_16U ? "U16C" : "F32C") + std::to_string(CV_MAT_CN(format.param));
 }
 
 enum class Alpha { noise, opaque, patches };

@@ -416,6 +416,15 @@ TEST_F(DiffFolders, AFileThatCannotBeReadIsNamedAndTheOthersAreCompared) {
     EXPECT_THAT(result.output, HasSubstr("2 not compared\n"));
 }
 
+TEST_F(DiffFolders, APairThatTheOptionsDoNotSuitIsNamed) {
+    write_image(noise_picture(20, 20, CV_8UC3), folder / "exp/small.png");
+    put("act/small.png", folder / "exp/small.png");
+    const CommandResult result = folders({"--ignore", "30,30,5,5"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.errors, StartsWith("puppetwarp: small.png: ignore 30,30,5,5: lies outside of the picture"));
+    EXPECT_THAT(result.output, HasSubstr("1 not compared\n"));
+}
+
 TEST_F(DiffFolders, LinksThatLeadRoundAreNotFollowed) {
     fs::create_directory_symlink("..", folder / "exp/sub/up");
     fs::create_directory_symlink("sub", folder / "act/again");

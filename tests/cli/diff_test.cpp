@@ -454,6 +454,28 @@ TEST_F(DiffFolders, PicturesOfWhatDiffersGoIntoFolders) {
     expect_refused(folders({"--heatmap", "-"}), "is not a folder");
 }
 
+TEST_F(DiffFolders, PicturesOfLongNamesThatBeginAlikeAreAllWritten) {
+    std::string letters;
+    for (int i = 0; i < 121; ++i) letters += "\u00f6";  // two bytes each
+    const std::vector<std::string> names{letters + "-one.png", letters + "-two.png"};
+    for (const std::string& name : names) {
+        put("exp/" + name, a);
+        put("act/" + name, b);
+    }
+    const CommandResult result = folders({"--heatmap", folder / "out"});
+    EXPECT_EQ(result.exit_code, 1) << result.errors;
+    std::vector<std::string> written;
+    for (const auto& entry : fs::directory_iterator(folder / "out")) {
+        if (entry.is_regular_file()) written.push_back(entry.path().filename().string());
+    }
+    ASSERT_EQ(written.size(), 2U);
+    for (const std::string& name : written) {
+        EXPECT_THAT(name, testing::EndsWith(".heatmap.png"));
+        EXPECT_EQ(name.substr(0, name.find('~')), letters.substr(0, name.find('~'))) << "cut within a letter";
+        EXPECT_EQ(name.find('~') % 2, 0U);
+    }
+}
+
 TEST_F(DiffFolders, TheReportIsTheSameForAnyNumberOfThreads) {
     for (int i = 0; i < 20; ++i) {
         const std::string name = "/many" + std::to_string(i) + ".png";

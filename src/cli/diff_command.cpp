@@ -20,6 +20,7 @@
 #include <initializer_list>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 namespace puppetwarp::cli {
 
@@ -57,7 +58,8 @@ void require_outputs(const DiffRequest& request, bool folders) {
     }
     std::vector<fs::path> outputs{request.html, request.report.file};
     if (!folders) outputs.insert(outputs.end(), {request.heatmap, request.side_by_side});
-    require_good_outputs({{request.expected, request.actual, request.rules.mask}, outputs, request.report.json}, false);
+    require_good_outputs({{request.expected, request.actual, request.rules.mask}, outputs, request.report.json},
+                         std::nullopt);
 }
 
 void write_pictures(const ComparedFiles& files, const DiffRequest& request, const GlobalOptions& global) {
@@ -142,10 +144,9 @@ int compare(const DiffRequest& request, const GlobalOptions& global) {
     const bool expected = fs::is_directory(request.expected, error), actual = fs::is_directory(request.actual, error);
     if (expected && actual) return compare_trees(request, global);
     for (const auto& [folder, file] : {std::pair{expected, request.actual}, std::pair{actual, request.expected}}) {
-        // What is missing says so itself.
-        if (folder && fs::exists(file, error)) {
-            throw InvalidInput(file, "is a file, and the other a folder", "compare two pictures or two folders");
-        }
+        if (!folder) continue;
+        if (!fs::exists(file, error)) throw InvalidInput(file, "no such folder", "check the path");
+        throw InvalidInput(file, "is a file, and the other a folder", "compare two pictures or two folders");
     }
     return compare_pictures(request, global);
 }
@@ -167,13 +168,16 @@ void add_diff_command(CLI::App& app, const GlobalOptions& global, int& exit_code
     request->rules.add_to(*diff);
     diff->add_option("--heatmap", request->heatmap,
                      "Write a picture of where they differ; of folders, into this folder for each pair that differs")
-        ->type_name("OUT");
+        ->type_name("OUT")
+        ->check(not_empty());
     diff->add_option("--side-by-side", request->side_by_side,
                      "Write expected, actual and heat map as one picture; of folders, likewise")
-        ->type_name("OUT");
+        ->type_name("OUT")
+        ->check(not_empty());
     diff->add_option("--html", request->html,
                      "Write a page that shows it all, in one file: a table, a slider, a flicker, the heat maps")
-        ->type_name("REPORT");
+        ->type_name("REPORT")
+        ->check(not_empty());
     request->report.add_to(*diff);
     diff->callback([request, &global, &exit_code] { exit_code = compare(*request, global); });
 }

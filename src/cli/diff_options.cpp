@@ -79,7 +79,8 @@ void add_tolerances(CLI::App& diff, DiffOptions& options) {
                     "Compare where the pictures fit best, moved by up to N pixels, and only what both have then")
         ->type_name("N");
     diff.add_option("--mask", options.mask, "Compare only where this picture of the same size is white")
-        ->type_name("FILE");
+        ->type_name("FILE")
+        ->check(not_empty());
     diff.add_option("--ignore", options.ignore, "Do not compare this rectangle; again for more")
         ->type_name("X,Y,W,H")
         ->allow_extra_args(false);

@@ -29,7 +29,7 @@ Json finite(double value) {
 
 void ReportOptions::add_to(CLI::App& subcommand) {
     subcommand.add_flag("--json", json, "Print a report to standard output as one JSON object");
-    subcommand.add_option("--report", file, "Write the report to a file")->type_name("FILE");
+    subcommand.add_option("--report", file, "Write the report to a file")->type_name("FILE")->check(not_empty());
 }
 
 void ReportOptions::emit(const Json& report) const {

@@ -351,10 +351,14 @@ TEST_F(Diff, OutputsThatCannotBeWritten) {
     fs::create_directory(folder / "folder.png");
     for (const char* option : {"--heatmap", "--side-by-side", "--html", "--report"}) {
         expect_refused(diff({option, folder / "nowhere/out.png"}, a, b), "nowhere");
-        expect_refused(diff({option, a}, a, b), "is the input itself");
+        expect_refused(diff({option, a}, a, b), "is the input itself (choose another name)\n");
         expect_refused(diff({option, folder / "folder.png"}, a, b), "is a folder");
     }
     expect_refused(diff({"--heatmap", folder / "map.bmp"}, a, b), "map.bmp");
+    // As from a script's variable that is not set: nothing would be written, and nobody would know.
+    for (const char* option : {"--heatmap", "--side-by-side", "--html", "--report", "--mask"}) {
+        expect_refused(diff({option, ""}, a, b), std::string(option) + ": it must not be empty");
+    }
     expect_refused(diff({"--heatmap", folder / "x.png", "--side-by-side", folder / "x.png"}, a, b), "two results");
 }
 
@@ -437,7 +441,8 @@ TEST_F(DiffFolders, LinksThatLeadRoundAreNotFollowed) {
 TEST_F(DiffFolders, AFolderAgainstAFileOrWithoutPictures) {
     expect_refused(diff({}, folder / "exp", a), "two pictures or two folders");
     expect_refused(diff({}, a, folder / "exp"), "two pictures or two folders");
-    expect_refused(diff({}, folder / "exp", folder / "missing"), "");
+    expect_refused(diff({}, folder / "exp", folder / "missing"), folder / "missing" + ": no such folder");
+    expect_refused(diff({}, folder / "missing", folder / "exp"), folder / "missing" + ": no such folder");
     fs::create_directory(folder / "empty1");
     fs::create_directory(folder / "empty2");
     expect_refused(diff({}, folder / "empty1", folder / "empty2"), "neither this folder nor");

@@ -420,6 +420,17 @@ TEST_F(DiffFolders, AFileThatCannotBeReadIsNamedAndTheOthersAreCompared) {
     EXPECT_THAT(result.output, HasSubstr("2 not compared\n"));
 }
 
+TEST_F(DiffFolders, PicturesOfFormatsThatCannotBeReadDoNotPassUnseen) {
+    for (const char* name : {"a.bmp", "b.TGA", "c.jxl"}) {
+        put_bytes(folder / "exp/" + name, "BM one");
+        put_bytes(folder / "act/" + name, "BM two");
+    }
+    const CommandResult result = folders({"--threshold", "8/255"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.errors, HasSubstr("exp/b.TGA: is not a picture of a known format"));
+    EXPECT_THAT(result.output, HasSubstr("3 not compared"));
+}
+
 TEST_F(DiffFolders, APairThatTheOptionsDoNotSuitIsNamed) {
     write_image(noise_picture(20, 20, CV_8UC3), folder / "exp/small.png");
     put("act/small.png", folder / "exp/small.png");

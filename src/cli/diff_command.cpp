@@ -6,6 +6,7 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/output_file.h>
+#include <puppetwarp/base/stage_timer.h>
 #include <puppetwarp/diff/compare_files.h>
 #include <puppetwarp/diff/compare_folders.h>
 #include <puppetwarp/diff/folder_outputs.h>
@@ -21,6 +22,9 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace puppetwarp::cli {
 
@@ -84,11 +88,14 @@ void write_pictures(const ComparedFiles& files, const DiffRequest& request, cons
 int compare_pictures(const DiffRequest& request, const GlobalOptions& global) {
     require_outputs(request, false);
     const CompareOptions options = request.rules.compare_options();
-    const ComparedFiles files =
+    ComparedFiles files =
         compare_files(request.expected, request.actual, options, request.rules.reading(), request.wants_heat_maps());
+    StageTimer timer(files.timings_ms);
     write_pictures(files, request, global);
     request.report.emit(report_json(files.comparison));
+    timer.end("write");
     if (!request.fills_stdout() && !global.quiet) std::cout << summary(files.comparison);
+    if (global.verbose) print_timings(files.timings_ms);
     return files.comparison.same ? done : answer_is_no;
 }
 
@@ -111,7 +118,6 @@ void require_folder_apart(const std::string& output, const DiffRequest& request)
 }
 
 int finish_folders(const FolderComparison& comparison, const DiffRequest& request, const GlobalOptions& global) {
-    request.report.emit(report_json(comparison));
     if (!request.fills_stdout() && !global.quiet) print_folders(comparison);
     for (const std::string& loop : comparison.loops) {
         if (!global.quiet) print_warning(printable(loop) + ": leads to a folder that it lies in, and is not followed");
@@ -130,12 +136,18 @@ int compare_trees(const DiffRequest& request, const GlobalOptions& global) {
     const CompareOptions options = request.rules.compare_options();
     FolderOutputs outputs({request.heatmap, request.side_by_side}, !request.html.empty());
     ProgressBar progress(global.quiet);
+    std::vector<std::pair<std::string, double>> timings_ms;
+    StageTimer timer(timings_ms);
     const FolderComparison comparison =
         compare_folders(request.expected, request.actual, options, request.rules.reading(), request.wants_heat_maps(),
                         outputs, progress);
+    timer.end("compare");
     if (!request.html.empty()) {
         write_page(outputs.page(request.expected, request.actual, comparison), request.html);
     }
+    request.report.emit(report_json(comparison));
+    timer.end("write");
+    if (global.verbose) print_timings(timings_ms);
     return finish_folders(comparison, request, global);
 }
 

@@ -93,8 +93,8 @@ bool GateOptions::hold(const Distortion& distortion) const {
     return !stretch || distortion.max_stretch <= *stretch;
 }
 
-void print_timings(const RenderReport& report) {
-    for (const auto& [stage, ms] : report.timings_ms) std::fprintf(stderr, "%-12s %9.2f ms\n", stage.c_str(), ms);
+void print_timings(const std::vector<std::pair<std::string, double>>& timings_ms) {
+    for (const auto& [stage, ms] : timings_ms) std::fprintf(stderr, "%-12s %9.2f ms\n", stage.c_str(), ms);
 }
 
 }  // namespace puppetwarp::cli

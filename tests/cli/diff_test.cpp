@@ -234,6 +234,22 @@ TEST_F(Diff, SpeaksToPeopleToScriptsAndNotAtAll) {
     EXPECT_THAT(sizes["failed"], ElementsAre("size"));
 }
 
+TEST_F(Diff, VerboseTellsWhatEachStageTook) {
+    const testing::Matcher<std::string> stage_lines =
+        testing::MatchesRegex("(read|compare|write) +[0-9.]+ ms\n(.|\n)*write +[0-9.]+ ms\n");
+    const CommandResult pair = diff({"-v", "--heatmap", folder / "map.png"}, a, b);
+    EXPECT_EQ(pair.exit_code, 1);
+    EXPECT_THAT(pair.errors, stage_lines);
+    EXPECT_THAT(pair.errors, HasSubstr("\ncompare "));
+    EXPECT_EQ(pair.output, diff({}, a, b).output);
+    for (const char* side : {"exp", "act"}) {
+        fs::create_directory(folder / side);
+        fs::copy_file(a, folder / side + "/a.png");
+    }
+    EXPECT_THAT(diff({"-v"}, folder / "exp", folder / "act").errors, stage_lines);
+    EXPECT_EQ(diff({}, a, b).errors, "");
+}
+
 TEST_F(Diff, EightSixteenBitsAndFloatsCompare) {
     const Image picture = noise_picture(30, 20, CV_8UC3);
     Image deep, real;

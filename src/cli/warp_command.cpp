@@ -142,7 +142,7 @@ void write_files(const WarpRequest& request, const RenderOptions& options, Rende
 
 int finish(const WarpRequest& request, const RenderReport& report, const GlobalOptions& global) {
     request.report.emit(report_json(report, true));
-    if (global.verbose) print_timings(report);
+    if (global.verbose) print_timings(report.timings_ms);
     return request.gates.hold(report.distortion) ? done : answer_is_no;
 }
 

@@ -23,7 +23,7 @@ The editor of puppetwarp: set pins on a picture, drag them, save the puppet file
 
   IMAGE       a picture to begin with
   PUPPET      a puppet file, NAME.puppet.json, to go on with
-  --help      show this and end
+  -h, --help  show this and end
   --version   show the version and end
 
 Example:  puppetwarp-ui photo.jpg

@@ -123,11 +123,7 @@ int draw_comparison(const CompareRequest& request, const GlobalOptions& global) 
     const std::chrono::duration<double, std::milli> writing = std::chrono::steady_clock::now() - start;
     sheet.timings_ms.emplace_back("write", writing.count());
     request.report.emit(sheet_json(sheet));
-    if (global.verbose) {
-        RenderReport shared;
-        shared.timings_ms = sheet.timings_ms;
-        print_timings(shared);
-    }
+    if (global.verbose) print_timings(sheet.timings_ms);
     return done;
 }
 

@@ -6,8 +6,8 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/output_file.h>
+#include <puppetwarp/base/stage_timer.h>
 #include <puppetwarp/mesh/mesh_file.h>
-#include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/rig/add_cage.h>
 #include <puppetwarp/rig/snap.h>
@@ -102,7 +102,7 @@ int deform_mesh(const DeformRequest& request, const GlobalOptions& global) {
 
     if (!global.quiet) print_warnings(report);
     request.report.emit(report_json(report, false));
-    if (global.verbose) print_timings(report);
+    if (global.verbose) print_timings(report.timings_ms);
     return request.gates.hold(report.distortion) ? done : answer_is_no;
 }
 

@@ -6,6 +6,7 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/output_file.h>
+#include <puppetwarp/base/stage_timer.h>
 #include <puppetwarp/diff/compare_files.h>
 #include <puppetwarp/diff/compare_folders.h>
 #include <puppetwarp/diff/folder_outputs.h>
@@ -20,6 +21,10 @@
 #include <initializer_list>
 #include <iostream>
 #include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace puppetwarp::cli {
 
@@ -57,7 +62,8 @@ void require_outputs(const DiffRequest& request, bool folders) {
     }
     std::vector<fs::path> outputs{request.html, request.report.file};
     if (!folders) outputs.insert(outputs.end(), {request.heatmap, request.side_by_side});
-    require_good_outputs({{request.expected, request.actual, request.rules.mask}, outputs, request.report.json}, false);
+    require_good_outputs({{request.expected, request.actual, request.rules.mask}, outputs, request.report.json},
+                         std::nullopt);
 }
 
 void write_pictures(const ComparedFiles& files, const DiffRequest& request, const GlobalOptions& global) {
@@ -82,11 +88,14 @@ void write_pictures(const ComparedFiles& files, const DiffRequest& request, cons
 int compare_pictures(const DiffRequest& request, const GlobalOptions& global) {
     require_outputs(request, false);
     const CompareOptions options = request.rules.compare_options();
-    const ComparedFiles files =
+    ComparedFiles files =
         compare_files(request.expected, request.actual, options, request.rules.reading(), request.wants_heat_maps());
+    StageTimer timer(files.timings_ms);
     write_pictures(files, request, global);
     request.report.emit(report_json(files.comparison));
+    timer.end("write");
     if (!request.fills_stdout() && !global.quiet) std::cout << summary(files.comparison);
+    if (global.verbose) print_timings(files.timings_ms);
     return files.comparison.same ? done : answer_is_no;
 }
 
@@ -109,7 +118,6 @@ void require_folder_apart(const std::string& output, const DiffRequest& request)
 }
 
 int finish_folders(const FolderComparison& comparison, const DiffRequest& request, const GlobalOptions& global) {
-    request.report.emit(report_json(comparison));
     if (!request.fills_stdout() && !global.quiet) print_folders(comparison);
     for (const std::string& loop : comparison.loops) {
         if (!global.quiet) print_warning(printable(loop) + ": leads to a folder that it lies in, and is not followed");
@@ -128,12 +136,18 @@ int compare_trees(const DiffRequest& request, const GlobalOptions& global) {
     const CompareOptions options = request.rules.compare_options();
     FolderOutputs outputs({request.heatmap, request.side_by_side}, !request.html.empty());
     ProgressBar progress(global.quiet);
+    std::vector<std::pair<std::string, double>> timings_ms;
+    StageTimer timer(timings_ms);
     const FolderComparison comparison =
         compare_folders(request.expected, request.actual, options, request.rules.reading(), request.wants_heat_maps(),
                         outputs, progress);
+    timer.end("compare");
     if (!request.html.empty()) {
         write_page(outputs.page(request.expected, request.actual, comparison), request.html);
     }
+    request.report.emit(report_json(comparison));
+    timer.end("write");
+    if (global.verbose) print_timings(timings_ms);
     return finish_folders(comparison, request, global);
 }
 
@@ -142,10 +156,9 @@ int compare(const DiffRequest& request, const GlobalOptions& global) {
     const bool expected = fs::is_directory(request.expected, error), actual = fs::is_directory(request.actual, error);
     if (expected && actual) return compare_trees(request, global);
     for (const auto& [folder, file] : {std::pair{expected, request.actual}, std::pair{actual, request.expected}}) {
-        // What is missing says so itself.
-        if (folder && fs::exists(file, error)) {
-            throw InvalidInput(file, "is a file, and the other a folder", "compare two pictures or two folders");
-        }
+        if (!folder) continue;
+        if (!fs::exists(file, error)) throw InvalidInput(file, "no such folder", "check the path");
+        throw InvalidInput(file, "is a file, and the other a folder", "compare two pictures or two folders");
     }
     return compare_pictures(request, global);
 }
@@ -167,13 +180,16 @@ void add_diff_command(CLI::App& app, const GlobalOptions& global, int& exit_code
     request->rules.add_to(*diff);
     diff->add_option("--heatmap", request->heatmap,
                      "Write a picture of where they differ; of folders, into this folder for each pair that differs")
-        ->type_name("OUT");
+        ->type_name("OUT")
+        ->check(not_empty());
     diff->add_option("--side-by-side", request->side_by_side,
                      "Write expected, actual and heat map as one picture; of folders, likewise")
-        ->type_name("OUT");
+        ->type_name("OUT")
+        ->check(not_empty());
     diff->add_option("--html", request->html,
                      "Write a page that shows it all, in one file: a table, a slider, a flicker, the heat maps")
-        ->type_name("REPORT");
+        ->type_name("REPORT")
+        ->check(not_empty());
     request->report.add_to(*diff);
     diff->callback([request, &global, &exit_code] { exit_code = compare(*request, global); });
 }

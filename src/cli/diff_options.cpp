@@ -79,7 +79,8 @@ void add_tolerances(CLI::App& diff, DiffOptions& options) {
                     "Compare where the pictures fit best, moved by up to N pixels, and only what both have then")
         ->type_name("N");
     diff.add_option("--mask", options.mask, "Compare only where this picture of the same size is white")
-        ->type_name("FILE");
+        ->type_name("FILE")
+        ->check(not_empty());
     diff.add_option("--ignore", options.ignore, "Do not compare this rectangle; again for more")
         ->type_name("X,Y,W,H")
         ->allow_extra_args(false);
@@ -118,7 +119,12 @@ CompareOptions DiffOptions::compare_options() const {
     result.shift_px = shift_px;
     for (const std::string& rect : ignore) result.ignore.push_back(parse_rect(rect));
     result.alpha = alpha_rule_from_name(alpha);
-    if (pixels_per_degree) result.pixels_per_degree = *pixels_per_degree;
+    if (pixels_per_degree) {
+        if (deciding_metric(result) != DiffMetric::flip) {
+            throw InvalidInput("--ppd", "says from how far away flip sees", "give --metric flip too");
+        }
+        result.pixels_per_degree = *pixels_per_degree;
+    }
     result.metadata = metadata;
     require_sound(result);
     if (!mask.empty()) result.mask = comparison_mask(read_image(mask, reading()));

@@ -262,7 +262,7 @@ std::vector<fs::path> input_files(const fs::path& path, const Puppet& puppet) {
     return files;
 }
 
-void require_good_outputs(const Files& files, bool force) {
+void require_good_outputs(const Files& files, std::optional<bool> force) {
     std::vector<fs::path> seen;
     bool stdout_taken = files.json_to_stdout;
     for (const fs::path& output : files.outputs) {
@@ -275,8 +275,9 @@ void require_good_outputs(const Files& files, bool force) {
             if (same_place(output, other)) throw InvalidInput(output.string(), "is named for two results");
         }
         for (const fs::path& input : files.inputs) {
-            if (force || input.empty() || !same_place(output, input)) continue;
-            throw InvalidInput(output.string(), "is the input itself", "choose another name, or --force to replace it");
+            if (force.value_or(false) || input.empty() || !same_place(output, input)) continue;
+            throw InvalidInput(output.string(), "is the input itself",
+                               force ? "choose another name, or --force to replace it" : "choose another name");
         }
         // A pipe's reader would take this opening and closing for the end of the data.
         if (!OutputFile::is_stream(output)) OutputFile probe(output);

@@ -95,8 +95,9 @@ struct Files {
     bool json_to_stdout = false;                 //!< the report goes there too
 };
 
+//! \param force  whether outputs may replace inputs; none: the command has no `--force`, and they never may.
 //! \throw InvalidInput  an output is an input and `force` is not set; two results want one file or standard output;
 //!        an output cannot be written.
-void require_good_outputs(const Files& files, bool force);
+void require_good_outputs(const Files& files, std::optional<bool> force);
 
 }  // namespace puppetwarp::cli

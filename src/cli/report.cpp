@@ -29,7 +29,7 @@ Json finite(double value) {
 
 void ReportOptions::add_to(CLI::App& subcommand) {
     subcommand.add_flag("--json", json, "Print a report to standard output as one JSON object");
-    subcommand.add_option("--report", file, "Write the report to a file")->type_name("FILE");
+    subcommand.add_option("--report", file, "Write the report to a file")->type_name("FILE")->check(not_empty());
 }
 
 void ReportOptions::emit(const Json& report) const {
@@ -94,8 +94,8 @@ bool GateOptions::hold(const Distortion& distortion) const {
     return !stretch || distortion.max_stretch <= *stretch;
 }
 
-void print_timings(const RenderReport& report) {
-    for (const auto& [stage, ms] : report.timings_ms) std::fprintf(stderr, "%-12s %9.2f ms\n", stage.c_str(), ms);
+void print_timings(const std::vector<std::pair<std::string, double>>& timings_ms) {
+    for (const auto& [stage, ms] : timings_ms) std::fprintf(stderr, "%-12s %9.2f ms\n", stage.c_str(), ms);
 }
 
 }  // namespace puppetwarp::cli

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace puppetwarp::cli {
 
@@ -46,6 +48,6 @@ Json report_json(const RenderReport& report, bool with_canvas);
 void print_warnings(const RenderReport& report);
 
 //! Stages with their times, for `--verbose`, on standard error.
-void print_timings(const RenderReport& report);
+void print_timings(const std::vector<std::pair<std::string, double>>& timings_ms);
 
 }  // namespace puppetwarp::cli

@@ -157,7 +157,7 @@ void write_files(const WarpRequest& request, const RenderOptions& options, Rende
 int finish(const WarpRequest& request, const RenderReport& report, const GlobalOptions& global) {
     request.report.emit(report_json(report, true));
     if (global.verbose) {
-        print_timings(report);
+        print_timings(report.timings_ms);
         if (report.max_magnification > 0)
             std::fprintf(stderr, "magnified at most %.2f times\n", report.max_magnification);
     }

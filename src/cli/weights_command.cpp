@@ -5,9 +5,9 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/output_file.h>
+#include <puppetwarp/base/stage_timer.h>
 #include <puppetwarp/image/write.h>
 #include <puppetwarp/mesh/mesh_file.h>
-#include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/project/weight_sheet.h>
 #include <puppetwarp/project/weights_cache.h>
@@ -170,7 +170,7 @@ int make_weights(const WeightsRequest& request, const GlobalOptions& global) {
     times.warnings = weight_warnings(weights);
     if (!global.quiet) print_warnings(times);
     request.report.emit(weights_json(subject, weights, times));
-    if (global.verbose) print_timings(times);
+    if (global.verbose) print_timings(times.timings_ms);
     return done;
 }
 

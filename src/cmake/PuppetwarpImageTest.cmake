@@ -12,7 +12,8 @@
 #                             OPTIONS --threshold 2/255)
 #
 # GOLDEN is relative to the current source folder, WORKING_DIRECTORY is the current binary folder by default, and
-# OPTIONS go to `puppetwarp diff` (see there; by default nothing may differ). Both pictures are of one file format.
+# OPTIONS go to `puppetwarp diff` (see there; by default nothing may differ; a relative --mask is sought in the working
+# directory). Both pictures are of one file format.
 #
 # A failure leaves <name>.expected.EXT, <name>.actual.EXT and <name>.heatmap.png in image-tests/ of the current binary
 # folder, or in the folder that PUPPETWARP_IMAGE_TEST_OUTPUT in the environment names. A golden picture that is missing

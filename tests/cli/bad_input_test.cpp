@@ -226,8 +226,10 @@ TEST_F(BadInput, OutputsThatWouldDestroyInputsOrEachOther) {
     expect_refused(with({"-o", out, "--report", folder / "nowhere/r.json"}), "nowhere");
     expect_refused(with({"-o", "/dev/stdout", "--json"}), "standard output");
     expect_refused(with({"-o", "-", "--report", "/dev/stdout"}), "standard output");
-    expect_refused(puppetwarp_command({"diff", good, photo, "--report", good}), "--force");
-    expect_refused(puppetwarp_command({"diff", good, photo, "--heatmap", photo}), "--force");
+    expect_refused(puppetwarp_command({"diff", good, photo, "--report", good}),
+                   "is the input itself (choose another name)");
+    expect_refused(puppetwarp_command({"diff", good, photo, "--heatmap", photo}),
+                   "is the input itself (choose another name)");
     EXPECT_EQ(bytes_of(good), before);
     EXPECT_FALSE(fs::exists(out));
 

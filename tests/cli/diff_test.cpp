@@ -234,6 +234,22 @@ TEST_F(Diff, SpeaksToPeopleToScriptsAndNotAtAll) {
     EXPECT_THAT(sizes["failed"], ElementsAre("size"));
 }
 
+TEST_F(Diff, VerboseTellsWhatEachStageTook) {
+    const testing::Matcher<std::string> stage_lines =
+        testing::MatchesRegex("(read|compare|write) +[0-9.]+ ms\n(.|\n)*write +[0-9.]+ ms\n");
+    const CommandResult pair = diff({"-v", "--heatmap", folder / "map.png"}, a, b);
+    EXPECT_EQ(pair.exit_code, 1);
+    EXPECT_THAT(pair.errors, stage_lines);
+    EXPECT_THAT(pair.errors, HasSubstr("\ncompare "));
+    EXPECT_EQ(pair.output, diff({}, a, b).output);
+    for (const char* side : {"exp", "act"}) {
+        fs::create_directory(folder / side);
+        fs::copy_file(a, folder / side + "/a.png");
+    }
+    EXPECT_THAT(diff({"-v"}, folder / "exp", folder / "act").errors, stage_lines);
+    EXPECT_EQ(diff({}, a, b).errors, "");
+}
+
 TEST_F(Diff, EightSixteenBitsAndFloatsCompare) {
     const Image picture = noise_picture(30, 20, CV_8UC3);
     Image deep, real;
@@ -327,8 +343,9 @@ TEST_F(Diff, OptionsOutsideTheirRange) {
                                                {"--shift", "-1"},
                                                {"--shift", "100000"},
                                                {"--alpha", "none"},
-                                               {"--ppd", "0"},
-                                               {"--ppd", "inf"},
+                                               {"--metric", "flip", "--ppd", "0"},
+                                               {"--metric", "flip", "--ppd", "inf"},
+                                               {"--ppd", "40"},
                                                {"--ignore", "1,2,3"},
                                                {"--ignore", "1,2,3,4,5"},
                                                {"--ignore", "1,2,0,4"},
@@ -351,10 +368,14 @@ TEST_F(Diff, OutputsThatCannotBeWritten) {
     fs::create_directory(folder / "folder.png");
     for (const char* option : {"--heatmap", "--side-by-side", "--html", "--report"}) {
         expect_refused(diff({option, folder / "nowhere/out.png"}, a, b), "nowhere");
-        expect_refused(diff({option, a}, a, b), "is the input itself");
+        expect_refused(diff({option, a}, a, b), "is the input itself (choose another name)\n");
         expect_refused(diff({option, folder / "folder.png"}, a, b), "is a folder");
     }
     expect_refused(diff({"--heatmap", folder / "map.bmp"}, a, b), "map.bmp");
+    // As from a script's variable that is not set: nothing would be written, and nobody would know.
+    for (const char* option : {"--heatmap", "--side-by-side", "--html", "--report", "--mask"}) {
+        expect_refused(diff({option, ""}, a, b), std::string(option) + ": it must not be empty");
+    }
     expect_refused(diff({"--heatmap", folder / "x.png", "--side-by-side", folder / "x.png"}, a, b), "two results");
 }
 
@@ -416,6 +437,26 @@ TEST_F(DiffFolders, AFileThatCannotBeReadIsNamedAndTheOthersAreCompared) {
     EXPECT_THAT(result.output, HasSubstr("2 not compared\n"));
 }
 
+TEST_F(DiffFolders, PicturesOfFormatsThatCannotBeReadDoNotPassUnseen) {
+    for (const char* name : {"a.bmp", "b.TGA", "c.jxl"}) {
+        put_bytes(folder / "exp/" + name, "BM one");
+        put_bytes(folder / "act/" + name, "BM two");
+    }
+    const CommandResult result = folders({"--threshold", "8/255"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.errors, HasSubstr("exp/b.TGA: is not a picture of a known format"));
+    EXPECT_THAT(result.output, HasSubstr("3 not compared"));
+}
+
+TEST_F(DiffFolders, APairThatTheOptionsDoNotSuitIsNamed) {
+    write_image(noise_picture(20, 20, CV_8UC3), folder / "exp/small.png");
+    put("act/small.png", folder / "exp/small.png");
+    const CommandResult result = folders({"--ignore", "30,30,5,5"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.errors, StartsWith("puppetwarp: small.png: ignore 30,30,5,5: lies outside of the picture"));
+    EXPECT_THAT(result.output, HasSubstr("1 not compared\n"));
+}
+
 TEST_F(DiffFolders, LinksThatLeadRoundAreNotFollowed) {
     fs::create_directory_symlink("..", folder / "exp/sub/up");
     fs::create_directory_symlink("sub", folder / "act/again");
@@ -428,7 +469,8 @@ TEST_F(DiffFolders, LinksThatLeadRoundAreNotFollowed) {
 TEST_F(DiffFolders, AFolderAgainstAFileOrWithoutPictures) {
     expect_refused(diff({}, folder / "exp", a), "two pictures or two folders");
     expect_refused(diff({}, a, folder / "exp"), "two pictures or two folders");
-    expect_refused(diff({}, folder / "exp", folder / "missing"), "");
+    expect_refused(diff({}, folder / "exp", folder / "missing"), folder / "missing" + ": no such folder");
+    expect_refused(diff({}, folder / "missing", folder / "exp"), folder / "missing" + ": no such folder");
     fs::create_directory(folder / "empty1");
     fs::create_directory(folder / "empty2");
     expect_refused(diff({}, folder / "empty1", folder / "empty2"), "neither this folder nor");
@@ -443,6 +485,28 @@ TEST_F(DiffFolders, PicturesOfWhatDiffersGoIntoFolders) {
     expect_refused(folders({"--heatmap", folder / "act/out"}), "choose a folder outside");
     expect_refused(folders({"--heatmap", a}), "is not a folder");
     expect_refused(folders({"--heatmap", "-"}), "is not a folder");
+}
+
+TEST_F(DiffFolders, PicturesOfLongNamesThatBeginAlikeAreAllWritten) {
+    std::string letters;
+    for (int i = 0; i < 121; ++i) letters += "\u00f6";  // two bytes each
+    const std::vector<std::string> names{letters + "-one.png", letters + "-two.png"};
+    for (const std::string& name : names) {
+        put("exp/" + name, a);
+        put("act/" + name, b);
+    }
+    const CommandResult result = folders({"--heatmap", folder / "out"});
+    EXPECT_EQ(result.exit_code, 1) << result.errors;
+    std::vector<std::string> written;
+    for (const auto& entry : fs::directory_iterator(folder / "out")) {
+        if (entry.is_regular_file()) written.push_back(entry.path().filename().string());
+    }
+    ASSERT_EQ(written.size(), 2U);
+    for (const std::string& name : written) {
+        EXPECT_THAT(name, testing::EndsWith(".heatmap.png"));
+        EXPECT_EQ(name.substr(0, name.find('~')), letters.substr(0, name.find('~'))) << "cut within a letter";
+        EXPECT_EQ(name.find('~') % 2, 0U);
+    }
 }
 
 TEST_F(DiffFolders, TheReportIsTheSameForAnyNumberOfThreads) {

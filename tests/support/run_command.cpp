@@ -1,6 +1,7 @@
 #include "support/run_command.h"
 
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -46,6 +47,8 @@ CommandResult run_command(const std::vector<std::string>& arguments, const std::
     if (child == 0) {
         ::dup2(::fileno(output.get()), STDOUT_FILENO);
         ::dup2(::fileno(errors.get()), STDERR_FILENO);
+        // Shells leave what runs in the background deaf to this one.
+        std::signal(SIGINT, SIG_DFL);
         if (in_child) in_child();
         ::execv(argv[0], argv.data());
         ::_exit(127);

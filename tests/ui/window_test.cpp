@@ -1,6 +1,7 @@
 #include "support/run_command.h"
 #include "ui/driven_editor.h"
 
+#include <puppetwarp/base/input_file.h>
 #include <puppetwarp/image/read.h>
 #include <puppetwarp/image/write.h>
 #include <puppetwarp/project/pipeline.h>
@@ -9,7 +10,10 @@
 #include <opencv2/core.hpp>
 
 #include <cstdlib>
+#include <cstring>
 #include <memory>
+#include <regex>
+#include <set>
 #include <tuple>
 
 namespace puppetwarp::tests {
@@ -262,6 +266,34 @@ TEST(ProgramTest, HelpAndVersionNeedNoDisplay) {
     const CommandResult unknown = run_command({program, "--wobble"}, no_display);
     EXPECT_EQ(unknown.exit_code, 2);
     EXPECT_NE(unknown.errors.find("--wobble"), std::string::npos);
+}
+
+std::set<std::string> matches(const std::string& text, const char* pattern) {
+    const std::regex expression(pattern);
+    std::set<std::string> found;
+    for (std::sregex_iterator each(text.begin(), text.end(), expression), end; each != end; ++each) {
+        found.insert((*each)[1]);
+    }
+    return found;
+}
+
+TEST(ProgramTest, TheManualPageSaysWhatTheHelpSays) {
+    const std::string help = run_command({program, "--help"}).output;
+    const std::string file = PUPPETWARP_BINARY_DIR "/ui/puppetwarp-ui.1";
+    std::string page = read_file(file, 100'000);
+    for (const char* font : {"\\fB", "\\fI", "\\fR", "\\"}) {
+        for (std::size_t at = 0; (at = page.find(font)) != std::string::npos;) page.erase(at, std::strlen(font));
+    }
+    const std::set<std::string> options = matches(help, "(--?[a-z]+)\\b");
+    EXPECT_EQ(options, (std::set<std::string>{"-h", "--help", "--version", "-ui"}));
+    EXPECT_EQ(matches(page, "(--?[a-z]+)\\b"), options);
+    for (const char* said : {"puppetwarp-ui [IMAGE|PUPPET]", "\nIMAGE\n", "\nPUPPET\n", "puppetwarp-ui photo.jpg"}) {
+        EXPECT_NE(page.find(said), std::string::npos) << said;
+    }
+    const CommandResult groff = run_command({"/usr/bin/groff", "-man", "-ww", "-z", file});
+    EXPECT_EQ(groff.exit_code, 0);
+    EXPECT_EQ(groff.errors, "");
+    EXPECT_EQ(page.find('@'), std::string::npos);
 }
 
 TEST(ProgramTest, WithoutADisplayItSaysSoInOneLine) {

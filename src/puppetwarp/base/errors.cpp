@@ -10,13 +10,19 @@ namespace {
 std::string one_line(std::string text) {
     std::replace_if(
         text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
-    while (!text.empty() && (text.back() == ' ' || text.back() == '.')) text.pop_back();
     return text;
 }
 
+// What libraries say may end in a full stop. A name keeps its own: the folder `..` is called so.
+std::string clause(const std::string& text) {
+    std::string line = one_line(text);
+    while (!line.empty() && (line.back() == ' ' || line.back() == '.')) line.pop_back();
+    return line;
+}
+
 std::string compose(const std::string& subject, const std::string& reason, const std::string& advice) {
-    std::string message = one_line(subject) + ": " + one_line(reason);
-    if (!advice.empty()) message += " (" + one_line(advice) + ")";
+    std::string message = one_line(subject) + ": " + clause(reason);
+    if (!advice.empty()) message += " (" + clause(advice) + ")";
     return message;
 }
 

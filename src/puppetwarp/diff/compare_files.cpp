@@ -1,6 +1,7 @@
 #include <puppetwarp/diff/compare_files.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/base/stage_timer.h>
 
 #include <puppetwarp/diff/verdict.h>
 
@@ -52,9 +53,11 @@ void compare_orientations(const fs::path& expected, const fs::path& actual, cons
 ComparedFiles compare_files(const fs::path& expected, const fs::path& actual, const CompareOptions& options,
                             const ReadOptions& reading, bool show, PairReading order) {
     require_sound(options);
+    ComparedFiles files;
+    StageTimer timer(files.timings_ms);
     ImagePair pair = order == PairReading::at_once ? read_at_once(expected, actual, reading)
                                                    : read_in_turn(expected, actual, reading);
-    ComparedFiles files;
+    timer.end("read");
     files.expected = std::move(pair.expected);
     files.actual = std::move(pair.actual);
     if (show) {
@@ -65,6 +68,7 @@ ComparedFiles compare_files(const fs::path& expected, const fs::path& actual, co
         files.comparison = compare(files.expected, files.actual, options);
     }
     if (options.metadata) compare_orientations(expected, actual, reading, files.comparison);
+    timer.end("compare");
     return files;
 }
 

@@ -4,6 +4,9 @@
 #include <puppetwarp/image/read.h>
 
 #include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace puppetwarp {
 
@@ -13,6 +16,7 @@ struct ComparedFiles {
     Image expected;
     Image actual;
     Image heat_map;  //!< no pixels where it was not asked for, or the pictures are not comparable
+    std::vector<std::pair<std::string, double>> timings_ms = {};  //!< of `read` and `compare`
 };
 
 //! How two files are read: the results are the same.

@@ -54,11 +54,18 @@ public:
             observer_.see(index, pair.path, files);
         } catch (const InvalidInput& error) {
             pair.state = PairState::not_compared;
-            pair.error = printable(error.what());
+            pair.error = printable(complaint(error, pair.path));
         }
     }
 
 private:
+    // What is not a file's own fault is the options', for this pair.
+    std::string complaint(const InvalidInput& error, const std::string& path) const {
+        const bool names_file =
+            error.subject() == (expected_ / path).string() || error.subject() == (actual_ / path).string();
+        return names_file ? error.what() : path + ": " + error.what();
+    }
+
     const fs::path& expected_;
     const fs::path& actual_;
     const CompareOptions& options_;

@@ -17,9 +17,11 @@ namespace {
 // Links between a dozen folders can lead along more ways than anybody can walk.
 constexpr int kMostFolders = 100'000;
 
-constexpr std::array<std::string_view, 23> kExtensions{
-    ".png", ".jpg", ".jpeg", ".jpe", ".tif", ".tiff", ".webp", ".exr", ".gif", ".heic", ".heif", ".avif",
-    ".jp2", ".j2k", ".jpx",  ".hdr", ".ppm", ".pgm",  ".pbm",  ".pnm", ".pfm", ".apng", ".hif"};
+// The last ones cannot be read. They are listed, and complained of, because folders with them must not pass as the
+// same.
+constexpr std::array<std::string_view, 26> kExtensions{
+    ".png", ".jpg", ".jpeg", ".jpe", ".tif", ".tiff", ".webp", ".exr", ".gif",  ".heic", ".heif", ".avif", ".jp2",
+    ".j2k", ".jpx", ".hdr",  ".ppm", ".pgm", ".pbm",  ".pnm",  ".pfm", ".apng", ".hif",  ".bmp",  ".tga",  ".jxl"};
 
 bool has_picture_name(const fs::path& path) {
     std::string extension = path.extension().string();

@@ -13,7 +13,8 @@ struct FolderListing {
 };
 
 //! Pictures are known by the ends of their names (png, jpg, tif, webp, exr, ...), whatever they are: a link that leads
-//! nowhere or a pipe is listed, and will be complained of when it is read. Links to folders are followed.
+//! nowhere, a pipe, or a picture of a format that cannot be read (bmp, tga, jxl) is listed, and will be complained of
+//! when it is read. Links to folders are followed.
 //! \throw InvalidInput  a folder cannot be read.
 FolderListing list_pictures(const std::filesystem::path& folder);
 

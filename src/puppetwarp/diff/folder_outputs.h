@@ -13,7 +13,7 @@ namespace puppetwarp {
 
 //! Writes pictures of the pairs that differ while two folders are compared, and keeps what a page shall show of them.
 //! A pair's files have its path in the folders, with `.heatmap.png` or `.side-by-side.png` at its end; folders are made
-//! where they are missing.
+//! where they are missing. A name that becomes too long for a file is cut, and then has `~` and the pair's index.
 class FolderOutputs final : public PairObserver {
 public:
     struct Folders {
@@ -32,7 +32,7 @@ public:
                     const FolderComparison& comparison);
 
 private:
-    void write_pictures(const std::string& path, const ComparedFiles& files) const;
+    void write_pictures(std::size_t pair, const std::string& path, const ComparedFiles& files) const;
 
     Folders folders_;
     bool page_;

@@ -40,8 +40,9 @@ std::string number_cell(const std::optional<double>& value, const char* infinite
     return cell.str();
 }
 
-constexpr std::array kColumns{"State", "Picture", "Size",  "Differing pixels", "Percent", "Max", "RMSE", "PSNR dB",
-                              "SSIM",  "FLIP",    "Reason"};
+// What people read stands on the left, where a narrow window shows it.
+constexpr std::array kColumns{"State", "Picture", "Reason", "Size", "Differing pixels", "Percent", "Max",
+                              "RMSE",  "PSNR dB", "SSIM",   "FLIP"};
 
 std::string figures_cells(const Comparison& comparison, bool compared) {
     const bool figures = compared && comparison.comparable;
@@ -155,9 +156,9 @@ void HtmlReport::write_rows(OutputFile& file) const {
         std::string text = "<tr data-state=\"" + state_key(pair.state) + '"';
         if (row.pictures) text += " data-pictures=\"" + std::to_string(*row.pictures) + '"';
         text += "><td><span class=\"state " + state_key(pair.state) + "\">" + pair_state_name(pair.state) +
-                "</span></td><td class=\"path\">" + html_text(pair.path) + "</td>" +
-                figures_cells(pair.comparison, compared) + "<td class=\"reason\">" +
-                html_text(compared ? pair.comparison.reason : pair.error) + "</td></tr>\n";
+                "</span></td><td class=\"path\">" + html_text(pair.path) + "</td><td class=\"reason\">" +
+                html_text(compared ? pair.comparison.reason : pair.error) + "</td>" +
+                figures_cells(pair.comparison, compared) + "</tr>\n";
         file.write(text);
     }
 }

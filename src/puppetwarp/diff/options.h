@@ -23,7 +23,7 @@ DiffMetric diff_metric_from_name(const std::string& name);
 std::string diff_metric_name(DiffMetric metric);
 
 //! How alpha takes part. SSIM and FLIP see what a person sees of a transparent picture: it over black and over white,
-//! of which the worse counts, unless alpha is ignored.
+//! of which the worse counts, unless alpha is ignored. (What floats hold below 0 and above 1 they see as 0 and 1.)
 enum class AlphaRule {
     straight,       //!< like any channel, and colours as stored, also where alpha is 0
     premultiplied,  //!< like any channel, colours multiplied by it: what is invisible does not count

@@ -111,8 +111,9 @@ void similarity(Moments& means, int width) {
         const float variances = squares[x] - (a[x] * a[x] + b[x] * b[x]);
         const float covariance = product[x] - a[x] * b[x];
         const float mean_a = a[x] + kMiddle, mean_b = b[x] + kMiddle;
-        a[x] = (2 * (mean_a * mean_b) + kC1) * (2 * covariance + kC2) /
-               ((mean_a * mean_a + mean_b * mean_b + kC1) * (variances + kC2));
+        const float similar = (2 * (mean_a * mean_b) + kC1) * (2 * covariance + kC2) /
+                              ((mean_a * mean_a + mean_b * mean_b + kC1) * (variances + kC2));
+        a[x] = std::min(similar, 1.0F);  // rounding may lead over it
     }
 }
 

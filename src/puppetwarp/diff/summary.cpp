@@ -1,5 +1,7 @@
 #include <puppetwarp/diff/summary.h>
 
+#include <puppetwarp/diff/telling_digits.h>
+
 #include <cmath>
 #include <ostream>
 #include <sstream>
@@ -8,8 +10,17 @@ namespace puppetwarp {
 
 namespace {
 
-void print_values(const std::vector<double>& values, std::ostream& out) {
-    for (std::size_t i = 0; i < values.size(); ++i) out << (i == 0 ? "" : ", ") << values[i];
+// Both have the channel whose values differ, which shall read differently too.
+std::string values_phrase(const Comparison& comparison) {
+    const std::vector<double>& expected = comparison.expected_at_max;
+    const std::vector<double>& actual = comparison.actual_at_max;
+    const auto channel = static_cast<std::size_t>(comparison.max_channel);
+    std::ostringstream out;
+    out.precision(telling_digits(expected[channel], actual[channel]));
+    for (std::size_t i = 0; i < expected.size(); ++i) out << (i == 0 ? "" : ", ") << expected[i];
+    out << " vs ";
+    for (std::size_t i = 0; i < actual.size(); ++i) out << (i == 0 ? "" : ", ") << actual[i];
+    return out.str();
 }
 
 // R, G, B, A; Y, A of grey.
@@ -22,12 +33,9 @@ void print_figures(const Comparison& comparison, std::ostream& out) {
     out << "  Mean error = " << comparison.mean << "\n  RMS error = " << comparison.rmse
         << "\n  Peak SNR = " << comparison.psnr << "\n  Max error  = " << comparison.max << " @ (" << comparison.max_x
         << ", " << comparison.max_y << ") in "
-        << channel_letter(comparison.max_channel, comparison.expected_at_max.size()) << "  values are ";
-    print_values(comparison.expected_at_max, out);
-    out << " vs ";
-    print_values(comparison.actual_at_max, out);
-    out << "\n  " << comparison.differing_pixels << " pixels (" << comparison.differing_percent << " %) "
-        << (comparison.metric == DiffMetric::flip ? "seen " : "") << "over "
+        << channel_letter(comparison.max_channel, comparison.expected_at_max.size()) << "  values are "
+        << values_phrase(comparison) << "\n  " << comparison.differing_pixels << " pixels ("
+        << comparison.differing_percent << " %) " << (comparison.metric == DiffMetric::flip ? "seen " : "") << "over "
         << (is_pixel_metric(comparison.metric) ? comparison.threshold : 0) << '\n';
 }
 

@@ -1,5 +1,8 @@
 #include <puppetwarp/diff/verdict.h>
 
+#include <puppetwarp/diff/telling_digits.h>
+
+#include <algorithm>
 #include <sstream>
 #include <string>
 
@@ -23,9 +26,11 @@ private:
 };
 
 // "12 pixels differ (0.5 %), by up to 0.25 of full scale at 30,40"
-std::string pixels_reason(const Comparison& comparison) {
+std::string pixels_reason(const Comparison& comparison, int digits) {
     const bool flip = comparison.metric == DiffMetric::flip;
     std::ostringstream reason;
+    reason.precision(
+        std::max(digits, telling_digits(flip ? comparison.flip_max : comparison.max, comparison.threshold)));
     reason << comparison.differing_pixels << (comparison.differing_pixels == 1 ? " pixel differs" : " pixels differ");
     if (flip) reason << " to the eye";
     if (comparison.threshold > 0) reason << " by more than " << comparison.threshold;
@@ -42,14 +47,16 @@ std::string pixels_reason(const Comparison& comparison) {
 
 void judge_pixels(const CompareOptions& options, const Comparison& comparison, Verdict& verdict) {
     if (!options.fail_pixels && !options.fail_percent) {
-        if (comparison.differing_pixels > 0) verdict.fail("threshold", pixels_reason(comparison));
+        if (comparison.differing_pixels > 0) verdict.fail("threshold", pixels_reason(comparison, 0));
         return;
     }
     const bool pixels = options.fail_pixels && comparison.differing_pixels > *options.fail_pixels;
     const bool percent = options.fail_percent && comparison.differing_percent > *options.fail_percent;
     if (!pixels && !percent) return;
+    const int digits = percent ? telling_digits(comparison.differing_percent, *options.fail_percent) : 0;
     std::ostringstream reason;
-    reason << pixels_reason(comparison) << "; allowed ";
+    if (percent) reason.precision(digits);
+    reason << pixels_reason(comparison, digits) << "; allowed ";
     if (pixels) reason << (*options.fail_pixels == 1 ? "is " : "are ") << *options.fail_pixels;
     if (pixels && percent) reason << " and ";
     if (percent) reason << (pixels ? "" : "are ") << *options.fail_percent << " %";
@@ -59,8 +66,22 @@ void judge_pixels(const CompareOptions& options, const Comparison& comparison, V
 
 std::string against_limit(const std::string& what, double value, const char* side, double limit) {
     std::ostringstream reason;
+    reason.precision(telling_digits(value, limit));
     reason << what << " is " << value << ", " << side << " the limit of " << limit;
     return reason.str();
+}
+
+void judge_ssim(const CompareOptions& options, const Comparison& comparison, Verdict& verdict) {
+    const double value = comparison.ssim.value_or(0);
+    if (value < comparison.threshold) {
+        verdict.fail("threshold", against_limit("SSIM", value, "under", comparison.threshold));
+    } else if (!options.threshold && comparison.max_x >= 0) {
+        // Without a limit nothing may differ: neither colours of one luma, nor by so little that SSIM is rounded to 1.
+        std::ostringstream reason;
+        reason << "SSIM is 1, but a pixel differs by " << comparison.max << " of full scale at " << comparison.max_x
+               << ',' << comparison.max_y;
+        verdict.fail("threshold", reason.str());
+    }
 }
 
 void judge_metric(const CompareOptions& options, const Comparison& comparison, Verdict& verdict) {
@@ -78,11 +99,7 @@ void judge_metric(const CompareOptions& options, const Comparison& comparison, V
             break;
         case DiffMetric::ssim:
             // Set by --min-ssim alone, the limit is that rule's.
-            if (options.threshold || !options.min_ssim) {
-                if (comparison.ssim.value_or(0) < limit) {
-                    verdict.fail("threshold", against_limit("SSIM", comparison.ssim.value_or(0), "under", limit));
-                }
-            }
+            if (options.threshold || !options.min_ssim) judge_ssim(options, comparison, verdict);
             break;
         default: judge_pixels(options, comparison, verdict);
     }
@@ -94,6 +111,7 @@ void judge_more(const CompareOptions& options, const Comparison& comparison, Ver
     }
     if (options.hard_fail && comparison.max > *options.hard_fail) {
         std::ostringstream reason;
+        reason.precision(telling_digits(comparison.max, *options.hard_fail));
         reason << "a pixel differs by " << comparison.max << " of full scale at " << comparison.max_x << ','
                << comparison.max_y << ", over the hard limit of " << *options.hard_fail;
         verdict.fail("hard-fail", reason.str());

@@ -1,11 +1,11 @@
 #include <puppetwarp/project/method_sheet.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/base/stage_timer.h>
 #include <puppetwarp/image/convert.h>
 #include <puppetwarp/project/distortion_colours.h>
 #include <puppetwarp/project/sheet_cell.h>
 #include <puppetwarp/project/sheet_layout.h>
-#include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/rig/snap.h>
 

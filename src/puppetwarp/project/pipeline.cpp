@@ -1,11 +1,11 @@
 #include <puppetwarp/project/pipeline.h>
 
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/base/stage_timer.h>
 #include <puppetwarp/cutout/edge_colours.h>
 #include <puppetwarp/mesh/triangulate.h>
 #include <puppetwarp/project/result_picture.h>
 #include <puppetwarp/project/source_picture.h>
-#include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/project/stiffness_pictures.h>
 #include <puppetwarp/project/weights_cache.h>
 #include <puppetwarp/rig/add_cage.h>

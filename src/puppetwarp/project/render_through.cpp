@@ -1,8 +1,8 @@
 #include <puppetwarp/base/errors.h>
+#include <puppetwarp/base/stage_timer.h>
 #include <puppetwarp/project/pipeline.h>
 #include <puppetwarp/project/result_picture.h>
 #include <puppetwarp/project/source_picture.h>
-#include <puppetwarp/project/stage_timer.h>
 #include <puppetwarp/warp/displacement_file.h>
 
 #include <cstdio>

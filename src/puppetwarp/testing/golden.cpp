@@ -134,7 +134,7 @@ GoldenResult accept(const Image& actual, const Places& places, const CompareOpti
     }
     fs::create_directories(places.golden.parent_path());
     write_file(places.golden, bytes_of(places.actual));
-    fs::remove(places.actual);
+    for (const fs::path& shown : {places.expected, places.actual, places.heat_map}) fs::remove(shown);
     return {true, true, "wrote the golden picture " + places.golden.string()};
 }
 

@@ -11,6 +11,11 @@ TEST(Errors, ReadAsOneLine) {
     EXPECT_STREQ(InvalidInput("a\nb", "first\nsecond\t.", "why\rnot\n").what(), "a b: first second (why not)");
 }
 
+TEST(Errors, NameFoldersOfDotsAsTheyAreCalled) {
+    EXPECT_STREQ(InvalidInput(".", "is a folder").what(), ".: is a folder");
+    EXPECT_STREQ(InvalidInput("../..", "is a folder.", "name a file.").what(), "../..: is a folder (name a file)");
+}
+
 TEST(Errors, KeepTheirParts) {
     const InvalidInput error("a.png", "is a folder", "name a file");
     EXPECT_EQ(error.subject(), "a.png");

@@ -121,5 +121,26 @@ TEST(HtmlReport, KeepsTheRowsAndLeavesOutPicturesThatHaveNoRoom) {
     EXPECT_EQ(page.find("data-pictures=\"2\""), std::string::npos);
 }
 
+TEST(HtmlReport, TheReasonStandsBesideThePictureAndItsHeading) {
+    const tests::TemporaryFolder folder;
+    HtmlReport report("exp", "act");
+    PairResult pair{"a.png", PairState::different, {}, {}};
+    pair.comparison.reason = "3 pixels differ";
+    report.add(pair, std::nullopt);
+    OutputFile file(folder / "page.html");
+    report.write(file);
+    file.commit();
+    const std::string page = tests::bytes_of(folder / "page.html");
+    EXPECT_THAT(page, HasSubstr(">Picture</th><th tabindex=\"0\">Reason</th>"));
+    EXPECT_THAT(page, HasSubstr("<td class=\"path\">a.png</td><td class=\"reason\">3 pixels differ</td>"));
+    // Each row has as many cells as there are headings.
+    const auto count = [&](const std::string& what) {
+        std::size_t found = 0;
+        for (std::size_t at = page.find(what); at != std::string::npos; at = page.find(what, at + 1)) ++found;
+        return found;
+    };
+    EXPECT_EQ(count("<td"), count("<th "));
+}
+
 }  // namespace
 }  // namespace puppetwarp::testing

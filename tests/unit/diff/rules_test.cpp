@@ -325,6 +325,50 @@ TEST_F(Rules, TheSummarySpeaksTheWordsOfIdiff) {
     EXPECT_THAT(summary(compare(expected, actual, {.fail_pixels = 1})), HasSubstr("same: within the limits\n"));
 }
 
+TEST_F(Rules, WithoutALimitSsimPassesNoDifferenceThatItDoesNotShow) {
+    expected = blank_image(40, 30, CV_8U, 4);  // invisible: SSIM sees the same in both
+    actual.pixels = expected.pixels.clone();
+    EXPECT_TRUE(same({.metric = DiffMetric::ssim}));
+    actual.pixels.at<cv::Vec4b>(20, 30)[1] = 51;
+    ASSERT_EQ(compare(expected, actual, {.metric = DiffMetric::ssim}).ssim, 1);
+    EXPECT_THAT(failed({.metric = DiffMetric::ssim}), ElementsAre("threshold"));
+    EXPECT_THAT(compare(expected, actual, {.metric = DiffMetric::ssim}).reason,
+                HasSubstr("SSIM is 1, but a pixel differs by 0.2 of full scale at 30,20"));
+    EXPECT_TRUE(same({.metric = DiffMetric::ssim, .threshold = 1}));
+    EXPECT_TRUE(same({.metric = DiffMetric::ssim, .alpha = AlphaRule::premultiplied}));
+    EXPECT_TRUE(same({.min_ssim = 1}));
+}
+
+TEST_F(Rules, NumbersThatDifferLittleReadDifferently) {
+    actual.pixels.at<cv::Vec3b>(20, 30)[1] = 151;  // off by 51 of 255, of one channel of one of 1200 pixels
+    const double least_over = std::nextafter(51 / 255.0, 0);
+    const auto reason = [&](const CompareOptions& options) { return compare(expected, actual, options).reason; };
+    EXPECT_THAT(reason({.threshold = least_over}), HasSubstr("by more than 0.19999999999999998 "));
+    EXPECT_THAT(reason({.threshold = least_over}), HasSubstr("by up to 0.20000000000000001 of full scale"));
+    EXPECT_THAT(reason({.fail_pixels = 1, .hard_fail = 0.19999999}),
+                ::testing::EndsWith("differs by 0.2 of full scale at 30,20, over the hard limit of 0.19999999"));
+    EXPECT_THAT(reason({.fail_percent = 0.083333}), HasSubstr("(0.0833333 %)"));
+    EXPECT_THAT(reason({.fail_percent = 0.08333332}), HasSubstr("(0.08333333 %)"));
+    EXPECT_THAT(reason({.fail_percent = 0.08333332}), HasSubstr("allowed are 0.08333332 %"));
+
+    actual.pixels = expected.pixels.clone();
+    actual.pixels.at<cv::Vec3b>(20, 30)[0] += 1;
+    const std::string trace = reason({.metric = DiffMetric::ssim});
+    EXPECT_THAT(trace, HasSubstr("SSIM is 0.99999"));
+    EXPECT_THAT(trace, ::testing::EndsWith("under the limit of 1"));
+
+    expected.pixels.convertTo(expected.pixels, CV_16U, 257);
+    actual.pixels = expected.pixels.clone();
+    actual.pixels.at<cv::Vec3w>(20, 30)[1] += 1;
+    EXPECT_THAT(summary(compare(expected, actual)),
+                HasSubstr("values are 0.392157, 0.392157, 0.392157 vs 0.392157, 0.392172, 0.392157"));
+    actual.pixels.convertTo(actual.pixels, CV_32F, 1 / 65535.0);
+    actual.pixels.at<cv::Vec3f>(20, 30) = cv::Vec3f(0.3921569F, 0.39215693F, 0.3921569F);
+    const std::string summed = summary(compare(expected, actual));
+    EXPECT_THAT(summed, HasSubstr(" vs "));
+    EXPECT_THAT(summed, ::testing::Not(HasSubstr("values are 0.392157, 0.392157, 0.392157 vs 0.392157, 0.392157,")));
+}
+
 TEST_F(Rules, OnePixelIsAPictureToEveryMetric) {
     Image one = blank_image(1, 1, CV_8U, 3), other = blank_image(1, 1, CV_8U, 3);
     other.pixels.setTo(cv::Scalar::all(255));

@@ -70,6 +70,15 @@ double slow_similarity(const Image& a, const Image& b) {
     return sum / windows;
 }
 
+TEST(Ssim, OfTracesIsNotRoundedOverOne) {
+    for (int value = 0; value < 65535; value += 1111) {
+        Image expected = blank_image(24, 24, CV_16U, 3), actual = blank_image(24, 24, CV_16U, 3);
+        expected.pixels.setTo(cv::Scalar::all(value));
+        actual.pixels.setTo(cv::Scalar(value, value + 1, value));
+        EXPECT_LE(similarity(expected, actual), 1) << value;
+    }
+}
+
 TEST(Ssim, IsThatOfThePaperInEveryDepthAndChannelCount) {
     std::mt19937 random(3);
     for (const int depth : {CV_8U, CV_16U, CV_32F}) {

@@ -141,6 +141,14 @@ TEST_F(Golden, UpdatingAcceptsWhatWouldFail) {
     for (const auto& left : fs::recursive_directory_iterator(output)) EXPECT_TRUE(left.is_directory()) << left.path();
 }
 
+TEST_F(Golden, UpdatingRemovesThePicturesOfWhatItAccepts) {
+    EXPECT_FALSE(check(brightened(40)).passed);
+    EXPECT_TRUE(shows("star.heatmap.png"));
+    const EnvironmentVariable updating("UPDATE_GOLDENS", "1");
+    EXPECT_TRUE(check(brightened(40)).updated);
+    for (const char* file : {"star.expected.png", "star.actual.png", "star.heatmap.png"}) EXPECT_FALSE(shows(file));
+}
+
 TEST_F(Golden, UpdatingLeavesWhatPasses) {
     const std::string before = bytes_of(goldens / "star.png");
     const EnvironmentVariable updating("UPDATE_GOLDENS", "1");

@@ -246,8 +246,9 @@ TEST_F(BadInput, NothingToFillABackgroundFrom) {
 }
 
 TEST_F(BadInput, EmptyWordsAreNotDefaults) {
-    for (const char* option : {"--method", "--arap-energy", "--background", "--back-faces", "--pose", "--canvas", "--interpolation",
-                               "--image", "--displacement", "--displacement-in", "--mesh-out", "--scale"}) {
+    for (const char* option :
+         {"--method", "--arap-energy", "--background", "--back-faces", "--pose", "--canvas", "--interpolation",
+          "--image", "--displacement", "--displacement-in", "--mesh-out", "--scale"}) {
         const CommandResult result = warp(good, {"--pin", "60,50", option, ""});
         EXPECT_EQ(result.exit_code, 2) << option;
     }

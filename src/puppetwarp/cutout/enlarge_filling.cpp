@@ -17,7 +17,7 @@ namespace {
 
 constexpr int rows_a_task = 8;
 constexpr int rows_between_reports = 128;
-constexpr int samples_along = 7;       // of a patch that is compared, and
+constexpr int samples_along = 6;       // of a patch that is compared, and
 constexpr double compared_blocks = 3;  // how many blocks these span
 constexpr double clearly = 0.75;       // a place fits better when the squared difference falls to this share
 
@@ -81,16 +81,19 @@ private:
         const cv::Vec2i whole(block_ * small[0], block_ * small[1]);
         const Samples samples = samples_at(block_x, block_y);
         const double unmoved = difference(samples, whole, std::numeric_limits<double>::infinity());
+        // Unmoved unless that is clearly worse, so that neighbours stay together where there is little to tell.
         cv::Vec2i best = whole;
         double least = clearly * unmoved;
-        const int reach = block_ / 2;
-        for (int dy = -reach; dy <= reach; ++dy) {
-            for (int dx = -reach; dx <= reach; ++dx) {
-                const cv::Vec2i place = whole + cv::Vec2i(dx, dy);
-                const double found = difference(samples, place, least);
-                if (found >= least) continue;
-                least = found;
-                best = place;
+        for (int step = block_ / 2; step >= 1; step /= 2) {
+            const cv::Vec2i middle = best;
+            for (int dy = -step; dy <= step; dy += step) {
+                for (int dx = -step; dx <= step; dx += step) {
+                    const cv::Vec2i place = middle + cv::Vec2i(dx, dy);
+                    const double found = place == middle ? least : difference(samples, place, least);
+                    if (found >= least) continue;
+                    least = found;
+                    best = place;
+                }
             }
         }
         return best;

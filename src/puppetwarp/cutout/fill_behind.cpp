@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <string_view>
 #include <type_traits>
 
 namespace puppetwarp {
@@ -108,6 +109,19 @@ bool shows_something(const cv::Mat& values, const cv::Mat& hole) {
     return cv::countNonZero((alpha > 0) & (hole == 0)) > 0;
 }
 
+// The first or the second half of some work.
+class Half : public Progress {
+public:
+    Half(Progress& all, double begun) : all_(all), begun_(begun) {}
+
+private:
+    bool cancelled() const override { return all_.cancelled(); }
+    void show(std::string_view stage, double fraction) override { all_.step(stage, begun_ + fraction / 2); }
+
+    Progress& all_;
+    double begun_;
+};
+
 // Large holes are filled at a part of their size, and from that in full.
 template <class T>
 void fill_pixels(cv::Mat pixels, const cv::Mat& hole, Progress& progress) {
@@ -116,12 +130,14 @@ void fill_pixels(cv::Mat pixels, const cv::Mat& hole, Progress& progress) {
     cv::Mat values = loaded<T>(pixels, halvings);
     const cv::Mat blocks = blocks_of(hole, halvings);
     if (!shows_something(values, blocks)) throw_nothing_around("nothing around the subject is visible");
-    const HoleFilling filling = fill_hole(values, blocks, progress);
     if (halvings == 0) {
+        fill_hole(values, hole, progress);
         store<T>(values, hole, pixels);
-    } else {
-        enlarge_filling(filling, values, halvings, hole, pixels, progress);
+        return;
     }
+    Half first(progress, 0), second(progress, 0.5);
+    const HoleFilling filling = fill_hole(values, blocks, first);
+    enlarge_filling(filling, values, halvings, hole, pixels, second);
 }
 
 }  // namespace

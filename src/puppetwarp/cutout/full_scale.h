@@ -13,7 +13,7 @@ struct Values {
     static constexpr double full = std::is_floating_point_v<T> ? 1.0 : static_cast<double>(static_cast<T>(-1));
 
     static float read(T value) {
-        const auto number = static_cast<float>(value / full);
+        const auto number = static_cast<float>(static_cast<double>(value) * (1 / full));
         return std::isfinite(number) ? number : 0.0F;
     }
     static T written(double value) {

@@ -318,8 +318,9 @@ private:
         const double sign = side(c[0], c[1], c[2]) < 0 ? -1 : 1;
         SampledPlaces places = 0;
         for (int i = 0; i < places_along * places_along; ++i) {
-            const Point2 p{shown.left + (shown.right - shown.left) * (i % places_along + 0.5) / places_along,
-                           shown.top + (shown.bottom - shown.top) * (i / places_along + 0.5) / places_along};
+            const int row = i / places_along, column = i % places_along;
+            const Point2 p{shown.left + (shown.right - shown.left) * (column + 0.5) / places_along,
+                           shown.top + (shown.bottom - shown.top) * (row + 0.5) / places_along};
             bool inside = true;
             for (std::size_t k = 0; k < 3; ++k) inside &= sign * side(c[k], c[(k + 1) % 3], p) >= -1e-6;
             if (inside) places |= SampledPlaces{1} << i;

@@ -23,7 +23,7 @@ std::vector<BorderEdge> border_edges(const Eigen::MatrixX3i& faces, const Snappe
 struct BorderPixel {
     int triangle;  //!< that it is painted with: the one that holds its centre, else the one that covers most of it
     int row, x;
-    float coverage;  //!< in (0, 1)
+    float coverage;  //!< in [0, 1]
     bool holds_centre;
     bool at_fold;  //!< a fold is what crosses it
 };

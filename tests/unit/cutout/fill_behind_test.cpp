@@ -214,6 +214,61 @@ TEST(FillBehind, GivesTheSameBytesForAnyNumberOfThreads) {
     set_thread_count(before);
 }
 
+// Above a million pixels around the subject: filled at a part of the size first.
+Image large_picture(int type) {
+    return drawn(1500, 1100, type, [](int x, int y, int c) {
+        const double stripes = 0.5 + 0.3 * std::sin(2 * 3.14159265358979 * (x + 0.5 * y) / 48 + c);
+        return c == 3 ? 1.0 : stripes + 0.1 * std::sin(0.9 * x) * std::sin(0.7 * y);
+    });
+}
+
+TEST(FillBehind, LargeHolesAreFilledInFullDetail) {
+    for (const int type : {CV_8UC3, CV_16UC4, CV_32FC1}) {
+        Image image = large_picture(type);
+        const Image empty{image.pixels.clone(), {}};
+        const Cutout cutout = disc(image, 760, 540, 300);
+        image.pixels.setTo(cv::Scalar::all(image.full_value()), cutout.matte > 0);
+        const Image result = filled(image, cutout);
+        cv::Mat hole, difference, detail;
+        cv::dilate(cutout.matte > 0, hole, cv::Mat::ones(15, 15, CV_8U));
+        const cv::Mat there = channel(result, 0), truth = channel(empty, 0);
+        EXPECT_EQ(cv::norm(there, truth, cv::NORM_INF, hole == 0), 0);
+        // Stripes go on where they were, to a fraction of their height (two unrelated ones differ by 0.3).
+        EXPECT_LT(cv::norm(there, truth, cv::NORM_L2, hole) / std::sqrt(cv::countNonZero(hole)), 0.12) << type;
+        // What is finer than the smaller picture knows is there too.
+        const auto fine = [&](const cv::Mat& shown) {
+            cv::Mat smooth;
+            cv::blur(shown, smooth, {7, 7});
+            return cv::norm(shown, smooth, cv::NORM_L2, hole);
+        };
+        EXPECT_GT(fine(there), 0.6 * fine(truth)) << type;
+    }
+}
+
+TEST(FillBehind, LargeHolesGiveTheSameBytesForAnyNumberOfThreadsAndCanBeCancelledHalfway) {
+    struct CancelledLate : Progress {
+        bool cancelled() const override { return late; }
+        void show(std::string_view stage, double fraction) override {
+            EXPECT_EQ(stage, "background");
+            EXPECT_GE(fraction, last);
+            EXPECT_LE(fraction, 1);
+            last = fraction;
+            late |= fraction > 0.6;
+        }
+        double last = 0;
+        bool late = false;
+    } progress;
+    const Image image = large_picture(CV_8UC3);
+    const Cutout cutout = disc(image, 700, 500, 250);
+    EXPECT_THROW(fill_behind(image, cutout, progress), Cancelled);
+    const int before = thread_count();
+    set_thread_count(1);
+    const Image expected = filled(image, cutout);
+    set_thread_count(3);
+    EXPECT_TRUE(same_bytes(filled(image, cutout).pixels, expected.pixels));
+    set_thread_count(before);
+}
+
 TEST(FillBehind, CanBeCancelled) {
     struct Cancelling : Progress {
         bool cancelled() const override { return true; }

@@ -216,6 +216,7 @@ TEST(Overlap, LayersOfOneMeshMeetWithoutACrack) {
         WarpOptions options;
         options.interpolation = Interpolation::bilinear;
         options.depth = Eigen::VectorXd::Random(rest.V.rows());
+        options.back_faces = round % 3 == 0 ? BackFaces::show : BackFaces::hide;
         const Image drawn = warp(image, rest, moved, options);
         ASSERT_EQ(drawn.pixels.type(), image.pixels.type()) << "round " << round;
         ASSERT_TRUE(same_bytes(drawn.pixels, image.pixels)) << "round " << round;
@@ -303,6 +304,32 @@ TEST(BackFaces, OfAPageAreInFrontOrBehindByDepth) {
     EXPECT_EQ(cv::norm(warp(image, rest, moved, options).pixels, cv::Mat(20, 20, CV_8UC3, cv::Scalar(255, 0, 0)),
                        cv::NORM_INF),
               0);
+}
+
+// The fold lies at 20.4: both sides of the page, together or alone, cover two fifths of the pixels there.
+TEST(BackFaces, EndWithinAPixelLikeFronts) {
+    Random random(12);
+    const Image image{cv::Mat(20, 40, CV_8UC3, cv::Scalar(90, 60, 30)), {}};
+    const TriangleMesh rest = grid_mesh(0, 0, 40, 20, 8, 4, random);
+    Eigen::MatrixX2d moved = rest.V;
+    moved.col(0) = 20.4 - (rest.V.col(0).array() - 20).abs();
+    for (const BackFaces back_faces : {BackFaces::hide, BackFaces::show}) {
+        for (const double sign : {-1.0, 1.0}) {
+            WarpOptions options;
+            options.canvas = {0, 0, 30, 20};
+            options.back_faces = back_faces;
+            options.depth = sign * rest.V.col(0);
+            const Image folded = warp(image, rest, moved, options);
+            ASSERT_EQ(folded.pixels.type(), CV_8UC4);
+            for (int y = 1; y < 19; ++y) {
+                EXPECT_EQ(folded.pixels.at<cv::Vec4b>(y, 10), cv::Vec4b(90, 60, 30, 255));
+                EXPECT_EQ(folded.pixels.at<cv::Vec4b>(y, 21)[3], 0);
+                const auto at_fold = folded.pixels.at<cv::Vec4b>(y, 20);
+                EXPECT_NEAR(at_fold[3], 0.4 * 255, 1.01);
+                EXPECT_NEAR(at_fold[0], 90, 1.01);
+            }
+        }
+    }
 }
 
 TEST(BackFaces, TrianglesWithoutAreaAreNeverDrawn) {

@@ -162,7 +162,8 @@ void Batch::fade_strays() {
         for (int i = 0; i < stray.run.count; ++i) {
             const std::int64_t u = view_->frame.source_u(stray.run.u + i * stray.run.du);
             const std::int64_t v = view_->frame.source_v(stray.run.v + i * stray.run.dv);
-            fades_[static_cast<std::size_t>(stray.slot + i)] = fade_at(source_, u, v);
+            const int slot = stray.slot + i;
+            fades_[static_cast<std::size_t>(slot)] = fade_at(source_, u, v);
         }
     }
 }

@@ -161,9 +161,9 @@ struct Lanczos3 {
     struct Weights {
         float w[6];
         explicit Weights(std::uint32_t fraction) {
-            const float* before = lanczos_weights() + 8 * (fraction >> 22);
+            const float* phase = lanczos_weights() + 8 * (fraction >> 22);
             const float t = static_cast<float>(static_cast<std::int32_t>(fraction & 0x3fffff)) * 0x1p-22F;
-            for (int k = 0; k < 6; ++k) w[k] = before[k] + (before[k + 8] - before[k]) * t;
+            for (int k = 0; k < 6; ++k) w[k] = phase[k] + (phase[k + 8] - phase[k]) * t;
         }
         Four operator()(const Four* p) const {
             return p[2] + (p[0] - p[2]) * w[0] + (p[1] - p[2]) * w[1] + (p[3] - p[2]) * w[3] + (p[4] - p[2]) * w[4] +

@@ -31,7 +31,8 @@ struct Footprint {
     int samples() const { return nx * ny; }
     //! Where sample k lies, from the pixel's centre.
     Eigen::Vector2d offset_px(int k) const {
-        return {(k % nx - 0.5 * (nx - 1)) * dx_px, (k / nx - 0.5 * (ny - 1)) * dy_px};
+        const int column = k % nx, row = k / nx;
+        return {(column - 0.5 * (nx - 1)) * dx_px, (row - 0.5 * (ny - 1)) * dy_px};
     }
 };
 

@@ -124,7 +124,7 @@ std::ptrdiff_t Painter::bytes_ahead(const FaceMap& map) const {
 
 // The place of a border pixel's sample: its centre, or the nearest point of its triangle.
 Eigen::Vector2d Painter::sampled_centre(const BorderPixel& pixel) const {
-    const Eigen::Vector2d centre(centre_x(pixel.x), centre_y(pixel.row));
+    Eigen::Vector2d centre(centre_x(pixel.x), centre_y(pixel.row));
     if (pixel.holds_centre) return centre;
     Eigen::Vector2d nearest = centre;
     double least = std::numeric_limits<double>::infinity();

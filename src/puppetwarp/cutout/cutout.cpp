@@ -130,26 +130,6 @@ T product(T value, T coverage) {
     }
 }
 
-template <class T>
-void multiply_alpha(cv::Mat& pixels, const cv::Mat& matte) {
-    const int channels = pixels.channels();
-    parallel_for(0, pixels.rows, 64, [&](int first, int last) {
-        for (int j = first; j < last; ++j) {
-            T* alpha = pixels.ptr<T>(j) + channels - 1;
-            const T* coverage = matte.ptr<T>(j);
-            for (int i = 0; i < pixels.cols; ++i) alpha[i * channels] = product(alpha[i * channels], coverage[i]);
-        }
-    });
-}
-
-cv::Mat with_alpha(const Image& image) {
-    if (image.has_alpha()) return image.pixels.clone();
-    const cv::Mat opaque(image.pixels.size(), image.pixels.depth(), cv::Scalar(image.full_value()));
-    cv::Mat pixels;
-    cv::merge(std::vector<cv::Mat>{image.pixels, opaque}, pixels);
-    return pixels;
-}
-
 // Between depths the full values correspond; OpenCV rounds to the nearest.
 cv::Mat in_depth(const cv::Mat& matte, int depth) {
     const auto full = [](int some) { return some == CV_8U ? 255.0 : some == CV_16U ? 65535.0 : 1.0; };
@@ -157,6 +137,29 @@ cv::Mat in_depth(const cv::Mat& matte, int depth) {
     cv::Mat converted;
     matte.convertTo(converted, depth, full(depth) / full(matte.depth()));
     return converted;
+}
+
+template <class T>
+void multiply_alpha(cv::Mat& pixels, const cv::Mat& matte) {
+    const int channels = pixels.channels();
+    for (int j = 0; j < pixels.rows; ++j) {
+        T* alpha = pixels.ptr<T>(j) + channels - 1;
+        const T* coverage = matte.ptr<T>(j);
+        for (int i = 0; i < pixels.cols; ++i) alpha[i * channels] = product(alpha[i * channels], coverage[i]);
+    }
+}
+
+// Some rows with alpha, into `result`.
+void copy_with_alpha(const cv::Mat& pixels, double full, cv::Mat result) {
+    if (pixels.channels() == result.channels()) {
+        pixels.copyTo(result);
+        return;
+    }
+    const cv::Mat opaque(pixels.size(), pixels.depth(), cv::Scalar(full));
+    constexpr std::array same{0, 0, 1, 1, 2, 2, 3, 3};
+    const std::array sources{pixels, opaque};
+    cv::mixChannels(sources.data(), sources.size(), &result, 1, same.data(),
+                    static_cast<std::size_t>(result.channels()));
 }
 
 }  // namespace
@@ -178,11 +181,17 @@ Image apply_cutout(const Image& image, const Cutout& cutout) {
     if (image.has_alpha() && cutout.matte.depth() == image.pixels.depth()) {
         if (cv::norm(alpha_of(image), cutout.matte, cv::NORM_INF) == 0) return image;
     }
-    Image result{with_alpha(image), image.metadata};
-    const cv::Mat matte = in_depth(cutout.matte, image.pixels.depth());
-    if (image.pixels.depth() == CV_8U) multiply_alpha<std::uint8_t>(result.pixels, matte);
-    if (image.pixels.depth() == CV_16U) multiply_alpha<std::uint16_t>(result.pixels, matte);
-    if (image.pixels.depth() == CV_32F) multiply_alpha<float>(result.pixels, matte);
+    const int channels = image.pixels.channels() + (image.has_alpha() ? 0 : 1);
+    const int depth = image.pixels.depth();
+    Image result{cv::Mat(image.pixels.size(), CV_MAKETYPE(depth, channels)), image.metadata};
+    parallel_for(0, image.height(), 64, [&](int first, int last) {
+        cv::Mat rows = result.pixels.rowRange(first, last);
+        copy_with_alpha(image.pixels.rowRange(first, last), image.full_value(), rows);
+        const cv::Mat matte = in_depth(cutout.matte.rowRange(first, last), depth);
+        if (depth == CV_8U) multiply_alpha<std::uint8_t>(rows, matte);
+        if (depth == CV_16U) multiply_alpha<std::uint16_t>(rows, matte);
+        if (depth == CV_32F) multiply_alpha<float>(rows, matte);
+    });
     return result;
 }
 

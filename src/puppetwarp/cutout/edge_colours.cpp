@@ -16,7 +16,7 @@ namespace puppetwarp {
 
 namespace {
 
-constexpr int rows_a_task = 32;
+constexpr int rows_a_task = 64;
 constexpr int reach_px = 10;         // how far either side of an edge may be
 constexpr double near_px = 6;        // from this distance on a side says less and less
 constexpr int colours_of_px = 3;     // beyond the nearest pixel of a side, what else of it is looked at
@@ -74,19 +74,25 @@ struct Side {
 template <class T>
 class EdgeCleaner {
 public:
-    EdgeCleaner(const cv::Mat& pixels, const cv::Mat& matte)
-        : pixels_(pixels), matte_(matte), places_(places_of(matte)), full_coverage_(full_of(matte.depth())) {}
+    // Cleans rows [first, last).
+    EdgeCleaner(const cv::Mat& pixels, const cv::Mat& matte, int first, int last)
+        : pixels_(pixels),
+          matte_(matte),
+          first_(first),
+          last_(last),
+          // One row more than is looked at: what is a rim does not show at the end.
+          top_(std::max(0, first - reach_px - 1)),
+          places_(places_of(matte.rowRange(top_, std::min(matte.rows, last + reach_px + 1)))),
+          full_coverage_(full_of(matte.depth())) {}
 
     // \param cut  the picture with its alpha.
     void clean(cv::Mat& cut) const {
-        parallel_for(0, pixels_.rows, rows_a_task, [&](int first, int last) {
-            for (int y = first; y < last; ++y) {
-                const std::uint8_t* place = places_.ptr<std::uint8_t>(y);
-                for (int x = 0; x < pixels_.cols; ++x) {
-                    if (place[x] == on_edge) clean(x, y, cut.ptr<T>(y) + cut.channels() * x);
-                }
+        for (int y = first_; y < last_; ++y) {
+            const std::uint8_t* place = places_.ptr<std::uint8_t>(y - top_);
+            for (int x = 0; x < pixels_.cols; ++x) {
+                if (place[x] == on_edge) clean(x, y, cut.ptr<T>(y) + cut.channels() * x);
             }
-        });
+        }
     }
 
 private:
@@ -123,7 +129,7 @@ private:
     Side side(Place wanted, int x, int y) const {
         Side found;
         int nearest = std::numeric_limits<int>::max();
-        const auto is_wanted = [&](int i, int j) { return places_.at<std::uint8_t>(j, i) == wanted; };
+        const auto is_wanted = [&](int i, int j) { return places_.at<std::uint8_t>(j - top_, i) == wanted; };
         around(x, y, reach_px, [&](int i, int j, int squared) {
             if (squared < nearest && is_wanted(i, j)) nearest = squared;
         });
@@ -174,6 +180,8 @@ private:
 
     const cv::Mat& pixels_;
     const cv::Mat& matte_;
+    int first_, last_;
+    int top_;  // row of the picture that is the first of `places_`
     cv::Mat places_;
     double full_coverage_;
 };
@@ -183,11 +191,13 @@ private:
 Image apply_clean_cutout(const Image& image, const Cutout& cutout) {
     Image cut = apply_cutout(image, cutout);
     if (cutout.whole || cutout.matte.empty() || image.has_alpha()) return cut;
-    switch (image.pixels.depth()) {
-        case CV_8U: EdgeCleaner<std::uint8_t>(image.pixels, cutout.matte).clean(cut.pixels); break;
-        case CV_16U: EdgeCleaner<std::uint16_t>(image.pixels, cutout.matte).clean(cut.pixels); break;
-        default: EdgeCleaner<float>(image.pixels, cutout.matte).clean(cut.pixels);
-    }
+    parallel_for(0, image.height(), rows_a_task, [&](int first, int last) {
+        switch (image.pixels.depth()) {
+            case CV_8U: return EdgeCleaner<std::uint8_t>(image.pixels, cutout.matte, first, last).clean(cut.pixels);
+            case CV_16U: return EdgeCleaner<std::uint16_t>(image.pixels, cutout.matte, first, last).clean(cut.pixels);
+            default: return EdgeCleaner<float>(image.pixels, cutout.matte, first, last).clean(cut.pixels);
+        }
+    });
     return cut;
 }
 

@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <optional>
 
 namespace puppetwarp {
@@ -130,6 +131,38 @@ Solved solve(const Puppet& puppet, const Pose& pose, int width, int height, cons
     return solved;
 }
 
+// What is drawn, and how it was moved.
+struct Subject {
+    Image image;
+    SourceSize size;
+    Cutout cutout;
+    Solved solved;
+};
+
+Subject solved_subject(const Puppet& puppet, const Pose& pose, const RenderOptions& options, RenderReport& report,
+                       Progress& progress) {
+    const std::optional<SourceSize> told = size_before_work(puppet, options);
+    const std::optional<SourceSize> whole = size_of_whole(puppet, options.image, options.read);
+    std::future<Image> reading = std::async(std::launch::async, [&] {
+        return options.image.empty() ? load_image(puppet, options.read) : load_image(options.image, options.read);
+    });
+    Subject subject;
+    const auto solve_for = [&](const SourceSize& size, const Cutout& cutout) {
+        subject.solved = solve(puppet, pose, size.rig_width, size.rig_height, cutout, options, report, progress);
+    };
+    // The mesh of a whole picture is that of its rectangle: it is made and moved while the pixels are decoded.
+    const bool meanwhile = whole && std::min(whole->width, whole->height) >= smallest_side_px;
+    if (meanwhile) solve_for(*whole, {true, {}});
+    StageTimer timer(report.timings_ms);
+    subject.image = reading.get();
+    timer.end("read");
+    const int width = subject.image.width(), height = subject.image.height();
+    subject.size = told.value_or(SourceSize{width, height, width, height});
+    subject.cutout = cut_out_at(subject.size, puppet, subject.image, options.read);
+    if (!meanwhile) solve_for(subject.size, cutout_for_rig(subject.cutout, subject.size));
+    return subject;
+}
+
 }  // namespace
 
 std::unique_ptr<Deformer> bound_deformer(const MethodOptions& method, const TriangleMesh& mesh, const Rig& rig,
@@ -228,16 +261,8 @@ Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& opt
     }
     Rendered rendered;
     RenderReport& report = rendered.report;
-    StageTimer timer(report.timings_ms);
     progress.step("read", 0);
-    const std::optional<SourceSize> told = size_before_work(puppet, options);
-    const Image image =
-        options.image.empty() ? load_image(puppet, options.read) : load_image(options.image, options.read);
-    const SourceSize size = told.value_or(SourceSize{image.width(), image.height(), image.width(), image.height()});
-    timer.end("read");
-    const Cutout cutout = cut_out_at(size, puppet, image, options.read);
-    Solved solved =
-        solve(puppet, pose, size.rig_width, size.rig_height, cutout_for_rig(cutout, size), options, report, progress);
+    auto [image, size, cutout, solved] = solved_subject(puppet, pose, options, report, progress);
     StageTimer warp_timer(report.timings_ms);
     const Eigen::RowVector2d resolution = size.resolution();
     RenderOptions drawing = options;

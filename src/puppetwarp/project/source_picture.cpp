@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
+#include <optional>
 #include <string>
 
 namespace puppetwarp {
@@ -69,6 +70,21 @@ SourceSize source_size(const Puppet& puppet, const std::filesystem::path& other,
                            "give the same picture at another resolution");
     }
     return size;
+}
+
+std::optional<SourceSize> size_of_whole(const Puppet& puppet, const std::filesystem::path& other,
+                                        const ReadOptions& read) {
+    const CutoutSource from = source_from_name(puppet.cutout.from);
+    if (from != CutoutSource::whole && from != CutoutSource::automatic) return std::nullopt;
+    if (other.empty() && puppet.image.empty()) return std::nullopt;
+    try {
+        const ImageInfo info = read_image_info(other.empty() ? resolve(puppet, puppet.image) : other, read);
+        if (info.has_alpha && from == CutoutSource::automatic) return std::nullopt;
+        if (other.empty()) return SourceSize{info.width, info.height, info.width, info.height};
+        return source_size(puppet, other, read);
+    } catch (const Error&) {
+        return std::nullopt;
+    }
 }
 
 CutoutOptions cutout_options(const Puppet& puppet, const ReadOptions& read) {

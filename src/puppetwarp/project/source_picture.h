@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include <filesystem>
+#include <optional>
 
 namespace puppetwarp {
 
@@ -31,6 +32,11 @@ struct SourceSize {
 //! \param other  empty: the puppet's own picture is drawn.
 //! \throw InvalidInput  `read_image_info`, no picture at all, pictures of different shapes.
 SourceSize source_size(const Puppet& puppet, const std::filesystem::path& other, const ReadOptions& read);
+
+//! The same for a source that is drawn whole whatever its pixels are, so that its mesh need not wait for them; none for
+//! others, and where something is wrong, which reading it will say.
+std::optional<SourceSize> size_of_whole(const Puppet& puppet, const std::filesystem::path& other,
+                                        const ReadOptions& read);
 
 //! What the puppet says of its cutout, with the mask read.
 CutoutOptions cutout_options(const Puppet& puppet, const ReadOptions& read);

@@ -220,7 +220,9 @@ private:
         const int row = crossings.front().row, x = crossings.front().x;
         std::vector<int> left;
         for (const Crossing& crossing : crossings) {
-            left.push_back(edges_[static_cast<std::size_t>(crossing.edge)].triangle);
+            const int triangle = edges_[static_cast<std::size_t>(crossing.edge)].triangle;
+            // One that only touches the pixel has no part in it, and would count a neighbour's a second time.
+            if (covered_area(triangle, shown_of(row, x)) > 0) left.push_back(triangle);
         }
         std::vector<Part> parts;
         while (!left.empty()) {

@@ -17,7 +17,7 @@ namespace detail {
 namespace {
 
 constexpr int band_rows = 64;  // higher bands set triangles up less often, lower ones share out better among threads
-constexpr int pixels_between_reports = 1 << 21;
+constexpr int pixels_between_reports = 1 << 24;  // tens of milliseconds: threads wait for each other there
 
 [[maybe_unused]] bool is_picture(const cv::Mat& pixels) {
     const int depth = pixels.depth();

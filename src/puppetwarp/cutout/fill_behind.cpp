@@ -22,7 +22,7 @@ namespace {
 
 constexpr int rows_a_task = 32;
 constexpr double grown_px = 2;                // what a sharp edge blurs over
-constexpr double grown_share = 1.0 / 800;     // of the picture's diagonal: large pictures are softer
+constexpr double grown_share = 1.0 / 250;     // of the diagonal: large pictures are softer, hands draw outlines roughly
 constexpr int least_margin_px = 32;           // of known pixels around the hole
 constexpr std::size_t most_pixels = 1 << 20;  // that are searched for patches
 

@@ -6,8 +6,9 @@
 
 namespace puppetwarp {
 
-//! The picture without its subject: what was cut out, and a little more because subjects blur into what is behind them,
-//! is filled from around. Other pixels stay as they are, to the bit.
+//! The picture without its subject: what was cut out, and 2 px and 1/250 of the diagonal around it, because subjects
+//! blur into what is behind them and outlines are drawn roughly, is filled from around. Other pixels stay as they are,
+//! to the bit.
 //!
 //! The filling goes on with what ends at the border, and is smooth where nothing around would fit.
 //! Alpha is filled like a colour. The same bytes for any number of threads.

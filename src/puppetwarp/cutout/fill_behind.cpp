@@ -21,6 +21,7 @@ namespace puppetwarp {
 namespace {
 
 constexpr int rows_a_task = 32;
+constexpr int rows_a_hole_task = 512;         // many times what is looked at above and below
 constexpr double grown_px = 2;                // what a sharp edge blurs over
 constexpr double grown_share = 1.0 / 250;     // of the diagonal: large pictures are softer, hands draw outlines roughly
 constexpr int least_margin_px = 32;           // of known pixels around the hole
@@ -31,11 +32,22 @@ constexpr std::size_t most_pixels = 1 << 20;  // that are searched for patches
 }
 
 // The subject, grown by what of it shines into its surroundings. CV_8U
-cv::Mat hole_of(const Cutout& cutout) {
-    const cv::Mat subject = cutout.matte > 0;
-    const int by = static_cast<int>(std::lround(grown_px + grown_share * std::hypot(subject.cols, subject.rows)));
-    cv::Mat hole;
-    cv::dilate(subject, hole, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * by + 1, 2 * by + 1}));
+cv::Mat hole_of(const cv::Mat& matte) {
+    const double by = grown_px + grown_share * std::hypot(matte.cols, matte.rows);
+    const int margin = static_cast<int>(by) + 1;
+    cv::Mat hole(matte.size(), CV_8U);
+    parallel_for(0, matte.rows, rows_a_hole_task, [&](int first, int last) {
+        const int top = std::max(0, first - margin), end = std::min(matte.rows, last + margin);
+        const cv::Mat behind = matte.rowRange(top, end) <= 0;
+        cv::Mat rows = hole.rowRange(first, last);
+        if (cv::countNonZero(behind == 0) == 0) {
+            rows.setTo(0);
+            return;
+        }
+        cv::Mat distance;
+        cv::distanceTransform(behind, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+        cv::compare(distance.rowRange(first - top, last - top), by, rows, cv::CMP_LE);
+    });
     return hole;
 }
 
@@ -142,17 +154,19 @@ void fill_pixels(cv::Mat pixels, const cv::Mat& hole, Progress& progress) {
 
 }  // namespace
 
-Image fill_behind(const Image& image, const Cutout& cutout, Progress& progress) {
+Image fill_behind(Image image, const Cutout& cutout, Progress& progress) {
     if (cutout.whole) throw_nothing_around("the subject is the whole picture");
-    const cv::Mat hole = hole_of(cutout);
+    const cv::Mat hole = hole_of(cutout.matte);
     const cv::Rect box = box_around(hole);
-    Image result{image.pixels.clone(), image.metadata};
-    switch (image.pixels.depth()) {
-        case CV_8U: fill_pixels<std::uint8_t>(result.pixels(box), hole(box), progress); break;
-        case CV_16U: fill_pixels<std::uint16_t>(result.pixels(box), hole(box), progress); break;
-        default: fill_pixels<float>(result.pixels(box), hole(box), progress);
+    cv::Mat& pixels = image.pixels;
+    const bool own = pixels.u != nullptr && pixels.u->refcount == 1;
+    if (!own) pixels = pixels.clone();
+    switch (pixels.depth()) {
+        case CV_8U: fill_pixels<std::uint8_t>(pixels(box), hole(box), progress); break;
+        case CV_16U: fill_pixels<std::uint16_t>(pixels(box), hole(box), progress); break;
+        default: fill_pixels<float>(pixels(box), hole(box), progress);
     }
-    return result;
+    return image;
 }
 
 }  // namespace puppetwarp

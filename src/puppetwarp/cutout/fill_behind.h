@@ -12,9 +12,10 @@ namespace puppetwarp {
 //!
 //! The filling goes on with what ends at the border, and is smooth where nothing around would fit.
 //! Alpha is filled like a colour. The same bytes for any number of threads.
+//! \param image     filled in place when no other matrix shares its pixels, else copied.
 //! \param progress  hears of the stage `background`; may cancel.
 //! \throw InvalidInput  the cutout is the whole picture, or nothing around it is visible.
 //! Wexler et al. 2007; Barnes et al. 2009; Gortler et al. 1996 (see `PatchField`, `membrane`).
-Image fill_behind(const Image& image, const Cutout& cutout, Progress& progress);
+Image fill_behind(Image image, const Cutout& cutout, Progress& progress);
 
 }  // namespace puppetwarp

@@ -17,6 +17,7 @@
 #include <cmath>
 #include <future>
 #include <optional>
+#include <utility>
 
 namespace puppetwarp {
 
@@ -234,7 +235,7 @@ Image cut_subject(const Image& image, const Cutout& cutout, const Background& ba
     return kept ? apply_cutout(image, cutout) : apply_clean_cutout(image, cutout);
 }
 
-PictureRows draw_subject_rows(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
+PictureRows draw_subject_rows(const Puppet& puppet, Image image, const Cutout& cutout, const TriangleMesh& mesh,
                               const Eigen::MatrixX2d& moved, const Eigen::VectorXd& depth, const RenderOptions& options,
                               RenderReport& report, Progress& progress) {
     const Eigen::MatrixX2d shown = moved * options.scale;
@@ -246,7 +247,7 @@ PictureRows draw_subject_rows(const Puppet& puppet, const Image& image, const Cu
                           puppet.back_faces,     depth};
     const Background background = background_from_name(puppet.background.value_or("transparent"));
     const WarpedRows warped = warp_rows(cut_subject(image, cutout, background), mesh, shown, how, progress);
-    return finished_picture(warped, image, cutout, background, options, report, progress);
+    return finished_picture(warped, std::move(image), cutout, background, options, report, progress);
 }
 
 Image draw_subject(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
@@ -267,14 +268,15 @@ Rendered render(const Puppet& puppet, const Pose& pose, const RenderOptions& opt
     const Eigen::RowVector2d resolution = size.resolution();
     RenderOptions drawing = options;
     drawing.canvas = at_resolution(options.canvas, resolution);
-    const PictureRows result = draw_subject_rows(puppet, image, cutout, {at(resolution, solved.mesh.V), solved.mesh.F},
-                                                 at(resolution, solved.moved), solved.depth, drawing, report, progress);
-    take_result(result, options, rendered);
-    report.scale *= resolution.x();
     if (options.keep_source) {
         rendered.source = apply_cutout(image, cutout);
         if (rendered.source.pixels.data != image.pixels.data) rendered.matte = cutout.matte;
     }
+    const PictureRows result =
+        draw_subject_rows(puppet, std::move(image), cutout, {at(resolution, solved.mesh.V), solved.mesh.F},
+                          at(resolution, solved.moved), solved.depth, drawing, report, progress);
+    take_result(result, options, rendered);
+    report.scale *= resolution.x();
     warp_timer.end("warp");
     rendered.mesh = std::move(solved.mesh);
     rendered.moved = std::move(solved.moved);

@@ -140,7 +140,7 @@ Image cut_subject(const Image& image, const Cutout& cutout, const Background& ba
 
 //! `draw_subject` below, as rows that are drawn as they are asked for where nothing asks for all of them before. They
 //! share the pixels of `image`. \param progress  must live as long as they are asked for.
-PictureRows draw_subject_rows(const Puppet& puppet, const Image& image, const Cutout& cutout, const TriangleMesh& mesh,
+PictureRows draw_subject_rows(const Puppet& puppet, Image image, const Cutout& cutout, const TriangleMesh& mesh,
                               const Eigen::MatrixX2d& moved, const Eigen::VectorXd& depth, const RenderOptions& options,
                               RenderReport& report, Progress& progress);
 

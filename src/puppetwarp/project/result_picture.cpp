@@ -30,23 +30,13 @@ Image at_scale(const Image& image, const RenderOptions& options, Progress& progr
     return warp(image, whole, whole.V * options.scale, whole_picture, progress);
 }
 
-// What stands behind the result.
-Image backdrop(const Background& background, const Image& original, const Cutout& cutout, const RenderOptions& options,
-               Progress& progress) {
-    switch (background.kind) {
-        case Background::Kind::inpaint: return at_scale(fill_behind(original, cutout, progress), options, progress);
-        case Background::Kind::keep: return at_scale(original, options, progress);
-        default: return original;
-    }
-}
-
 // A warped picture, on demand or whole, and laid over backgrounds: by rows as long as none has to be looked at.
 class Result {
 public:
-    Result(const WarpedRows& warped, const Image& original, const Cutout& cutout, const RenderOptions& options,
+    Result(const WarpedRows& warped, Image original, const Cutout& cutout, const RenderOptions& options,
            const RenderReport& report, Progress& progress)
         : current_(warped),
-          original_(original),
+          original_(std::move(original)),
           cutout_(cutout),
           options_(options),
           canvas_(report.canvas),
@@ -58,7 +48,7 @@ public:
     void lay_over(const Background& background) {
         // Filling has its say on what it is asked for, also where nothing of it would show.
         if (!has_alpha() && background.kind != Background::Kind::inpaint) return;
-        const Image behind = backdrop(background, original_, cutout_, options_, progress_);
+        const Image behind = backdrop(background);
         const std::optional<PictureRows> rows = rows_over(background, current_, behind, canvas_, options_.linear);
         if (rows) {
             // What lies over a background may be open where that is.
@@ -77,6 +67,15 @@ public:
     }
 
 private:
+    // What stands behind the result.
+    Image backdrop(const Background& background) {
+        // In place: of a large picture there is no second one.
+        if (background.kind == Background::Kind::inpaint)
+            original_ = fill_behind(std::move(original_), cutout_, progress_);
+        const bool shown = background.kind == Background::Kind::inpaint || background.kind == Background::Kind::keep;
+        return shown ? at_scale(original_, options_, progress_) : original_;
+    }
+
     const Image& whole() {
         if (whole_.pixels.empty()) hold(whole_picture(current_.picture));
         return whole_;
@@ -88,7 +87,7 @@ private:
 
     WarpedRows current_;
     Image whole_;  // the same in memory, or nothing
-    const Image& original_;
+    Image original_;
     const Cutout& cutout_;
     const RenderOptions& options_;
     const Canvas canvas_;
@@ -111,10 +110,10 @@ void require_result_size(const Canvas& canvas, std::int64_t max_pixels) {
     }
 }
 
-PictureRows finished_picture(const WarpedRows& warped, const Image& original, const Cutout& cutout,
+PictureRows finished_picture(const WarpedRows& warped, Image original, const Cutout& cutout,
                              const Background& background, const RenderOptions& options, RenderReport& report,
                              Progress& progress) {
-    Result result(warped, original, cutout, options, report, progress);
+    Result result(warped, std::move(original), cutout, options, report, progress);
     result.lay_over(background);
     if (options.format.empty()) return result.picture();
 

@@ -20,7 +20,7 @@ void require_result_size(const Canvas& canvas, std::int64_t max_pixels);
 //! \param cutout    what of it was drawn.
 //! \param report    its canvas is `warped`'s; `lost` is filled.
 //! \return  rows that are made as they are asked for, where nothing asks for all of them before.
-PictureRows finished_picture(const WarpedRows& warped, const Image& original, const Cutout& cutout,
+PictureRows finished_picture(const WarpedRows& warped, Image original, const Cutout& cutout,
                              const Background& background, const RenderOptions& options, RenderReport& report,
                              Progress& progress);
 

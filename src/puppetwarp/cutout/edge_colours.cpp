@@ -17,9 +17,11 @@ namespace puppetwarp {
 namespace {
 
 constexpr int rows_a_task = 64;
-constexpr int reach_px = 10;         // how far either side of an edge may be
-constexpr double near_px = 6;        // from this distance on a side says less and less
-constexpr int colours_of_px = 3;     // beyond the nearest pixel of a side, what else of it is looked at
+constexpr int reach_px = 10;      // how far either side of an edge may be
+constexpr double near_px = 6;     // from this distance on a side says less and less
+constexpr int colours_of_px = 3;  // beyond the nearest pixel of a side, what else of it is looked at
+// One row more is needed to tell what is a rim.
+constexpr int looked_at_px = reach_px + colours_of_px;
 constexpr double mixed_above = 0.9;  // from this coverage on a pixel is the subject's more and more
 // Sides that differ by less, as a share of full scale, tell nothing apart.
 constexpr double least_contrast = 0.02;
@@ -80,9 +82,8 @@ public:
           matte_(matte),
           first_(first),
           last_(last),
-          // One row more than is looked at: what is a rim does not show at the end.
-          top_(std::max(0, first - reach_px - 1)),
-          places_(places_of(matte.rowRange(top_, std::min(matte.rows, last + reach_px + 1)))),
+          top_(std::max(0, first - looked_at_px - 1)),
+          places_(places_of(matte.rowRange(top_, std::min(matte.rows, last + looked_at_px + 1)))),
           full_coverage_(full_of(matte.depth())) {}
 
     // \param cut  the picture with its alpha.

@@ -149,6 +149,21 @@ INSTANTIATE_TEST_SUITE_P(Formats, EdgeFormats,
                          testing::Values(CV_8UC1, CV_8UC3, CV_16UC1, CV_16UC3, CV_32FC1, CV_32FC3));
 
 // Soft as a brush's border, and one that cuts through what is the same on both sides: no mixture there.
+// Work is shared out by bands of rows: where these end must not show.
+TEST(CleanEdges, MoveWithThePicture) {
+    const Image image = seen(CV_8UC3, 3);
+    const Cutout cutout = cutout_of(3, CV_8U);
+    const Image here = apply_clean_cutout(image, cutout);
+    for (const int down : {1, 23, 40, 63}) {
+        Image moved;
+        Cutout moved_cutout;
+        cv::copyMakeBorder(image.pixels, moved.pixels, down, 0, 0, 0, cv::BORDER_REPLICATE);
+        cv::copyMakeBorder(cutout.matte, moved_cutout.matte, down, 0, 0, 0, cv::BORDER_CONSTANT);
+        const Image there = apply_clean_cutout(moved, moved_cutout);
+        EXPECT_TRUE(same_bytes(there.pixels.rowRange(down, down + size).clone(), here.pixels)) << down;
+    }
+}
+
 TEST(CleanEdges, WideSoftBordersAndUniformPlacesStay) {
     const Image image = seen(CV_8UC3, 1);
     const Cutout wide = cutout_of(24, CV_8U), narrow = cutout_of(2, CV_8U);

@@ -9,9 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace puppetwarp {
@@ -30,7 +28,7 @@ Image at_scale(const Image& image, const RenderOptions& options, Progress& progr
     return warp(image, whole, whole.V * options.scale, whole_picture, progress);
 }
 
-// A warped picture, on demand or whole, and laid over backgrounds: by rows as long as none has to be looked at.
+// A warped picture, on demand or whole, and laid over backgrounds by rows.
 class Result {
 public:
     Result(const WarpedRows& warped, Image original, const Cutout& cutout, const RenderOptions& options,
@@ -49,14 +47,9 @@ public:
         // Filling has its say on what it is asked for, also where nothing of it would show.
         if (!has_alpha() && background.kind != Background::Kind::inpaint) return;
         const Image behind = backdrop(background);
-        const std::optional<PictureRows> rows = rows_over(background, current_, behind, canvas_, options_.linear);
-        if (rows) {
-            // What lies over a background may be open where that is.
-            const bool stays = background.kind == Background::Kind::transparent;
-            current_ = {*rows, stays ? current_.covered : std::nullopt};
-        } else {
-            hold(puppetwarp::lay_over(background, whole(), behind, canvas_, options_.linear));
-        }
+        if (!options_.in_rows) whole();  // what is wanted as a whole is not drawn twice to be looked at
+        current_ = rows_over(background, current_, behind, canvas_, options_.linear);
+        whole_ = {};
     }
 
     // What the format cannot hold. Whether alpha counts, only the pixels tell, if there are not some without a doubt.
@@ -77,12 +70,11 @@ private:
     }
 
     const Image& whole() {
-        if (whole_.pixels.empty()) hold(whole_picture(current_.picture));
+        if (whole_.pixels.empty()) {
+            whole_ = whole_picture(current_.picture);
+            current_.picture = rows_of(whole_);
+        }
         return whole_;
-    }
-    void hold(Image image) {
-        whole_ = std::move(image);
-        current_ = {rows_of(whole_), std::nullopt};
     }
 
     WarpedRows current_;

@@ -17,6 +17,7 @@ namespace puppetwarp {
 namespace {
 
 constexpr int band_rows = 32;
+constexpr int rows_looked_at = 256;
 
 int hex_digit(char c) {
     if (c >= '0' && c <= '9') return c - '0';
@@ -211,6 +212,15 @@ std::optional<bool> has_alpha_over(const Background& background, std::optional<b
     }
 }
 
+// Draws rows until some are not opaque: twice at most, against holding the whole picture to look at it.
+template <class OpaqueRows>
+bool all_opaque(int height, const OpaqueRows& opaque) {
+    for (int first = 0; first < height; first += rows_looked_at) {
+        if (!opaque(first, std::min(height, first + rows_looked_at))) return false;
+    }
+    return true;
+}
+
 }  // namespace
 
 Background background_from_name(std::string_view name) {
@@ -246,23 +256,31 @@ Image lay_over(const Background& background, const Image& warped, const Image& o
     return {with_layers(background, warped.pixels, original.pixels, canvas, light.get(), lay), warped.metadata};
 }
 
-std::optional<PictureRows> rows_over(const Background& background, const WarpedRows& warped, const Image& original,
-                                     const Canvas& canvas, bool linear) {
+WarpedRows rows_over(const Background& background, const WarpedRows& warped, const Image& original,
+                     const Canvas& canvas, bool linear) {
     const int channels = CV_MAT_CN(warped.picture.type);
-    if (channels % 2 != 0) return warped.picture;
-    const std::optional<bool> with_alpha = has_alpha_over(background, warped.covered, original, canvas);
-    if (!with_alpha) return std::nullopt;
-    if (*with_alpha && background.kind == Background::Kind::transparent) return warped.picture;
-    PictureRows result = warped.picture;
-    result.type = CV_MAKETYPE(CV_MAT_DEPTH(result.type), *with_alpha ? channels : channels - 1);
-    const std::shared_ptr<const detail::LightTables> light = light_of(original, linear);
+    if (channels % 2 != 0) return warped;
     const bool shown = background.kind == Background::Kind::keep || background.kind == Background::Kind::inpaint;
-    result.rows = [=, alpha = *with_alpha, front = warped.picture.rows, back = shown ? original.pixels : cv::Mat()](
-                      int first, int last) {
+    const std::shared_ptr<const detail::LightTables> light = light_of(original, linear);
+    // Calls `work` with the layers of rows [first, last).
+    const auto with_rows = [=, front = warped.picture.rows, back = shown ? original.pixels : cv::Mat()](
+                               int first, int last, const auto& work) {
         const cv::Mat rows = front(first, last);
         const Canvas place{canvas.x, canvas.y + first, canvas.width, last - first};
-        return with_layers(background, rows, back, place, light.get(),
-                           [&](const auto& layers) { return layers.flattened(alpha); });
+        return with_layers(background, rows, back, place, light.get(), work);
+    };
+    const std::optional<bool> known = has_alpha_over(background, warped.covered, original, canvas);
+    const bool with_alpha = known ? *known : !all_opaque(warped.picture.height, [&](int first, int last) {
+        return with_rows(first, last, [](const auto& layers) { return layers.opaque(); });
+    });
+    const bool stays = with_alpha && background.kind == Background::Kind::transparent;
+    // A mesh that covers all may show alpha of its own, and what lies over a background may be open where that is.
+    const bool open = known ? stays && warped.covered == false : with_alpha;
+    WarpedRows result{warped.picture, open ? std::optional(false) : std::nullopt};
+    if (stays) return result;
+    result.picture.type = CV_MAKETYPE(CV_MAT_DEPTH(warped.picture.type), with_alpha ? channels : channels - 1);
+    result.picture.rows = [with_rows, with_alpha](int first, int last) {
+        return with_rows(first, last, [&](const auto& layers) { return layers.flattened(with_alpha); });
     };
     return result;
 }

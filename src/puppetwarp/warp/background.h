@@ -5,7 +5,6 @@
 #include <puppetwarp/warp/warp_rows.h>
 
 #include <array>
-#include <optional>
 #include <string_view>
 
 namespace puppetwarp {
@@ -34,8 +33,11 @@ Background background_from_name(std::string_view name);
 Image lay_over(const Background& background, const Image& warped, const Image& original, const Canvas& canvas,
                bool linear = false);
 
-//! The same as rows on demand; none where only the pixels tell whether the result has alpha.
-std::optional<PictureRows> rows_over(const Background& background, const WarpedRows& warped, const Image& original,
-                                     const Canvas& canvas, bool linear = false);
+//! The same as rows on demand. Where only the pixels tell whether the result has alpha, rows are drawn here until that
+//! is known, and again when they are asked for. `covered` of the result: false where some pixel is known to be open,
+//! else none.
+//! \throw MachineFault, Cancelled  as drawing rows does.
+WarpedRows rows_over(const Background& background, const WarpedRows& warped, const Image& original,
+                     const Canvas& canvas, bool linear = false);
 
 }  // namespace puppetwarp

@@ -101,7 +101,7 @@ TEST(WarpRows, KnowWhetherTheMeshCoversTheCanvas) {
 TEST(RowsOver, AreTheRowsOfTheLayeredPicture) {
     Random random(13);
     Progress progress;
-    int known = 0;
+    int looked_at = 0;
     for (const int type : all_types) {
         for (int round = 0; round < 20; ++round) {
             const Scene scene = random_scene(type, random);
@@ -115,16 +115,37 @@ TEST(RowsOver, AreTheRowsOfTheLayeredPicture) {
             const Canvas canvas = scene.options.canvas.width > 0 ? scene.options.canvas : Canvas{0, 0, 70, 150};
             for (const char* name : {"transparent", "keep", "#204060", "#20406080"}) {
                 const Background background = background_from_name(name);
-                const std::optional<PictureRows> layered =
-                    rows_over(background, rows, original, canvas, scene.options.linear);
-                if (!layered) continue;
-                ++known;
+                const WarpedRows layered = rows_over(background, rows, original, canvas, scene.options.linear);
                 const Image expected = lay_over(background, whole, original, canvas, scene.options.linear);
-                ASSERT_TRUE(same_bytes(in_pieces(*layered, random), expected.pixels)) << name << " " << type;
+                ASSERT_TRUE(same_bytes(in_pieces(layered.picture, random), expected.pixels)) << name << " " << type;
+                if (!layered.covered) continue;
+                ASSERT_EQ(*layered.covered, is_opaque(expected)) << name << " " << type;
+                ++looked_at;
             }
         }
     }
-    EXPECT_GT(known, 400);
+    EXPECT_GT(looked_at, 50);
+}
+
+// Large pictures are looked at a part at a time, down to the first row that is open, and never held as a whole.
+TEST(RowsOver, LookForOpenPixelsPieceByPiece) {
+    constexpr int height = 2000;
+    for (const int open_row : {0, 700, height - 1, height}) {
+        cv::Mat pixels(height, 8, CV_8UC4, cv::Scalar(10, 20, 30, 255));
+        if (open_row < height) pixels.at<cv::Vec4b>(open_row, 5)[3] = 254;
+        int highest = 0, lowest_row = 0;
+        const PictureRows picture{8, height, CV_8UC4, {}, [&](int first, int last) {
+                                      highest = std::max(highest, last - first);
+                                      lowest_row = std::max(lowest_row, last);
+                                      return pixels.rowRange(first, last);
+                                  }};
+        const Image original{cv::Mat(height, 8, CV_8UC3, cv::Scalar(0)), {}};
+        const WarpedRows layered = rows_over({}, {picture, std::nullopt}, original, {0, 0, 8, height});
+        EXPECT_EQ(layered.covered == false, open_row < height);
+        EXPECT_EQ(CV_MAT_CN(layered.picture.type), open_row == height ? 3 : 4);
+        EXPECT_LT(highest, height / 4);
+        EXPECT_LT(lowest_row, open_row + height / 4);
+    }
 }
 
 TEST(WarpRows, SayWhatIsWrongAtOnce) {

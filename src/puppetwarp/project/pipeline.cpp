@@ -14,9 +14,11 @@
 #include <puppetwarp/rig/snap.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <future>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 namespace puppetwarp {
@@ -140,20 +142,48 @@ struct Subject {
     Solved solved;
 };
 
+// The progress of work beside the reading of its picture: cancelled when that has failed, for nothing will be drawn.
+class WhileReading : public Progress {
+public:
+    WhileReading(Progress& progress, const std::atomic<bool>& failed) : progress_(progress), failed_(failed) {}
+    bool cancelled() const override { return failed_ || progress_.cancelled(); }
+
+protected:
+    void show(std::string_view stage, double fraction) override { progress_.step(stage, fraction); }
+
+private:
+    Progress& progress_;
+    const std::atomic<bool>& failed_;
+};
+
 Subject solved_subject(const Puppet& puppet, const Pose& pose, const RenderOptions& options, RenderReport& report,
                        Progress& progress) {
     const std::optional<SourceSize> told = size_before_work(puppet, options);
     const std::optional<SourceSize> whole = size_of_whole(puppet, options.image, options.read);
+    std::atomic<bool> failed = false;
     std::future<Image> reading = std::async(std::launch::async, [&] {
-        return options.image.empty() ? load_image(puppet, options.read) : load_image(options.image, options.read);
+        try {
+            return options.image.empty() ? load_image(puppet, options.read) : load_image(options.image, options.read);
+        } catch (...) {
+            failed = true;
+            throw;
+        }
     });
     Subject subject;
+    WhileReading while_reading(progress, failed);
     const auto solve_for = [&](const SourceSize& size, const Cutout& cutout) {
-        subject.solved = solve(puppet, pose, size.rig_width, size.rig_height, cutout, options, report, progress);
+        subject.solved = solve(puppet, pose, size.rig_width, size.rig_height, cutout, options, report, while_reading);
     };
     // The mesh of a whole picture is that of its rectangle: it is made and moved while the pixels are decoded.
     const bool meanwhile = whole && std::min(whole->width, whole->height) >= smallest_side_px;
-    if (meanwhile) solve_for(*whole, {true, {}});
+    if (meanwhile) {
+        try {
+            solve_for(*whole, {true, {}});
+        } catch (const Cancelled&) {
+            if (failed) reading.get();
+            throw;
+        }
+    }
     StageTimer timer(report.timings_ms);
     subject.image = reading.get();
     timer.end("read");

@@ -10,7 +10,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <set>
+#include <thread>
 
 namespace puppetwarp {
 namespace {
@@ -266,6 +270,45 @@ TEST_F(Pipeline, AWhitePictureIsARegionOfItsMaximum) {
     const double by_picture = render(puppet, pose, {}, progress).report.energy;
     puppet.rig.stiffness = {StiffnessRegion{{{-1, -1}, {141, -1}, {141, 141}, {-1, 141}}, 7}};
     EXPECT_EQ(render(puppet, pose, {}, progress).report.energy, by_picture);
+}
+
+// Lets the reading of the picture go ahead of its mesh, and counts what else is done.
+class WaitingOnce : public Progress {
+public:
+    int later_steps = 0;
+
+protected:
+    void show(std::string_view stage, double /*fraction*/) override {
+        if (stage == "read") return;
+        if (waited_) ++later_steps;
+        if (!waited_) std::this_thread::sleep_for(std::chrono::seconds(1));
+        waited_ = true;
+    }
+
+private:
+    bool waited_ = false;
+};
+
+TEST_F(Pipeline, ADamagedPictureEndsTheWorkOnItsMesh) {
+    cv::Mat pixels(140, 140, CV_8UC3);
+    cv::randu(pixels, 0, 4);
+    Puppet puppet = puppet_of({pixels, {}});
+    puppet.image = "picture.tif";
+    write_image({pixels, {}}, folder / "picture.tif");
+    puppet.method.method = Method::lbs;
+    // The header is sound, the pixels are not.
+    std::fstream file(folder / "picture.tif", std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(std::filesystem::file_size(folder / "picture.tif") / 2));
+    for (int i = 0; i < 2000; ++i) file.put(static_cast<char>(i * i * 37 + i / 7));
+    file.close();
+    WaitingOnce waiting;
+    try {
+        render(puppet, {}, {}, waiting);
+        FAIL() << "half a picture is drawn";
+    } catch (const InvalidInput& error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("damaged"));
+    }
+    EXPECT_EQ(waiting.later_steps, 0);
 }
 
 TEST_F(Pipeline, WarningsReachTheReport) {

@@ -96,8 +96,9 @@ void tell_what_is_lost(const WarpRequest& request, const RenderReport& report, b
 void warn_about_result(const RenderReport& report, BackFaces back_faces, bool quiet) {
     if (quiet) return;
     print_warnings(report);
-    if (report.distortion.flipped_triangles > 0) {
-        print_warning(std::to_string(report.distortion.flipped_triangles) + " triangles are folded over and " +
+    const auto folded = report.distortion.flipped_triangles;
+    if (folded > 0) {
+        print_warning(std::to_string(folded) + (folded == 1 ? " triangle is" : " triangles are") + " folded over and " +
                       (back_faces == BackFaces::hide ? "not drawn" : "drawn mirrored") + " (pull less, or add a pin)");
     }
 }

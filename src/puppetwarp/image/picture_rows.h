@@ -13,9 +13,9 @@ struct PictureRows {
     int type = 0;  //!< of `Image::pixels`: CV_8UC1 to CV_32FC4
     ImageMetadata metadata;
     //! \return rows [first, last) as a matrix of #rows x `width` of `type`, which nobody changes afterwards.
-    //! Writers ask from the top to the bottom, some more than once for a row, some for all at once; one call at a time,
-    //! but maybe from other threads than the writer's own. Errors of ours that it throws end the writing and
-    //! are passed on.
+    //! Writers ask from the top to the bottom (PFM from the bottom to the top), some more than once for a row, WebP for
+    //! all at once; one call at a time, but maybe from other threads than the writer's own. Errors of ours that it
+    //! throws end the writing and are passed on.
     std::function<cv::Mat(int first, int last)> rows;
 };
 

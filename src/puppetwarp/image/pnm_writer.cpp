@@ -53,7 +53,8 @@ void write_pnm(const PictureRows& picture, std::string_view format, OutputFile& 
         }
     };
     if (CV_MAT_DEPTH(picture.type) == CV_32F) {
-        write_rows(picture.rows(0, picture.height), true);
+        for (int last = picture.height; last > 0; last -= rows_at_a_time)
+            write_rows(picture.rows(std::max(0, last - rows_at_a_time), last), true);
         return;
     }
     for (int first = 0; first < picture.height; first += rows_at_a_time)

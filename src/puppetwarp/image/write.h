@@ -32,7 +32,7 @@ std::vector<std::string> lost_in_format(const Image& image, const std::string& f
 //! \throw InvalidInput  unknown extension, missing or read-only folder.   \throw MachineFault  disk full.
 void write_image(const Image& image, const std::filesystem::path& path, const WriteOptions& options = {});
 
-//! The same for a picture that is made while it is written, a part at a time (WebP and PFM take it as a whole).
+//! The same for a picture that is made while it is written, a part at a time (WebP takes it as a whole).
 //! \throw InvalidInput, MachineFault  as above; what making the rows throws.
 void write_rows(const PictureRows& picture, const std::filesystem::path& path, const WriteOptions& options = {});
 

@@ -94,7 +94,7 @@ TEST(PictureRows, WhatMakingThemThrowsEndsTheWritingAndTheOldFileStays) {
             PictureRows rows = rows_of(image);
             int calls = 0;
             rows.rows = [&](int first, int last) {
-                // WebP and PFM ask once, for everything.
+                // WebP asks once, for everything; PFM begins at the end.
                 if (calls++ == good || last == image.height()) throw Cancelled();
                 return image.pixels.rowRange(first, last);
             };

@@ -4,8 +4,8 @@
 
 #include <puppetwarp/base/errors.h>
 #include <puppetwarp/base/threads.h>
-#include <puppetwarp/warp/warp_job.h>
 #include <puppetwarp/warp/painters_order.h>
+#include <puppetwarp/warp/warp_job.h>
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,8 @@ public:
 };
 
 //! How long work reports where it is, and hears that it is no longer wanted.
-//! The base class neither shows nor cancels anything. Calls come from the thread that called the library.
+//! The base class neither shows nor cancels anything. Calls come one at a time, from the thread that called the library
+//! or, for pictures that are drawn while they are written (`warp_rows`), from one that it waits for.
 class Progress {
 public:
     virtual ~Progress() = default;

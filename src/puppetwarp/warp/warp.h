@@ -48,9 +48,9 @@ struct WarpOptions {
 //!
 //! A pixel belongs to the triangle that holds its centre (one triangle, also on shared edges). Triangles are drawn over
 //! each other in `painters_order`, without depths in the order of their indices; flipped ones only on demand, and those
-//! that have no area not at all. Sampling is
-//! premultiplied; where a triangle moves by whole pixels its pixels are copied. Pixels that no triangle covers are
-//! transparent: the output has alpha when the input has, or when some output pixel is uncovered.
+//! that have no area not at all. Sampling is premultiplied; where a triangle moves by whole pixels its pixels are
+//! copied. Pixels that no triangle covers are transparent: the output has alpha when the input has, or when some output
+//! pixel is uncovered.
 //! Beyond its border a picture without alpha repeats its outermost pixels; one with alpha fades out over half a pixel.
 //! Where a triangle shrinks by more than 1.5, a pixel is the mean of up to 64 samples, above a factor of about 8 of
 //! samples of a pyramid. Pixels that the border of the mesh crosses are as opaque as it covers them, but for triangles
@@ -58,8 +58,7 @@ struct WarpOptions {
 //! The same bytes for any number of threads.
 //! \param moved  #V x 2 positions of the vertices of `rest`.
 //! \throw InvalidInput  positions or depths that are not finite or not one for each vertex; a triangle that names a
-//!        missing vertex;
-//!        a canvas of more than 2^31 - 1 pixels, of no size along one axis, or more than 2^30 px away.
+//!        missing vertex; a canvas of more than 2^31 - 1 pixels, of no size along one axis, or more than 2^30 px away.
 //! \throw MachineFault  not enough memory for the canvas.
 Image warp(const Image& image, const TriangleMesh& rest, const Eigen::MatrixX2d& moved, const WarpOptions& options,
            Progress& progress);
